@@ -1,0 +1,61 @@
+# make report   set up .venv and write the stability report of the published fly
+# make test     set up .venv and run the fast tests
+# make test-all one pytest run, the slow tests included
+# make check    lint, format, types, layers, spelling
+# make bench    speed against named peers, as ratios in one run
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
+
+export NUMBA_CACHE_DIR := $(CURDIR)/.cache/numba
+export MPLCONFIGDIR := $(CURDIR)/.cache/matplotlib
+export PIP_CACHE_DIR := $(CURDIR)/.cache/pip
+
+.PHONY: report test test-all check format bench clean
+
+report: $(VENV)/run.stamp
+	$(BIN)/flycontrol report --out reports/yaw
+
+test: $(VENV)/test.stamp
+	$(BIN)/python -m pytest
+
+test-all: $(VENV)/test.stamp
+	$(BIN)/python -m pytest -m "slow or not slow"
+
+check: $(VENV)/check.stamp
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/basedpyright
+	$(BIN)/lint-imports --no-cache
+	$(BIN)/codespell
+
+format: $(VENV)/check.stamp
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+bench: $(VENV)/bench.stamp
+	$(BIN)/python -m pytest benchmarks --benchmark-enable --benchmark-only -m "slow or not slow"
+
+$(VENV)/bin/python:
+	$(PYTHON) -m venv $(VENV)
+
+$(VENV)/run.stamp: pyproject.toml constraints.txt | $(VENV)/bin/python
+	$(PIP) -e .
+	touch $@
+
+$(VENV)/test.stamp: $(VENV)/run.stamp
+	$(PIP) -e ".[test]"
+	touch $@
+
+$(VENV)/check.stamp: $(VENV)/test.stamp
+	$(PIP) -e ".[test,check]"
+	touch $@
+
+$(VENV)/bench.stamp: $(VENV)/test.stamp
+	$(PIP) -e ".[test,bench]"
+	touch $@
+
+clean:
+	rm -rf $(VENV) .cache build *.egg-info

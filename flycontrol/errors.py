@@ -1,0 +1,29 @@
+"""The errors that flycontrol raises on purpose. Each message says what was required, what arrived, and what to do."""
+
+
+class FlycontrolError(Exception):
+    """Base of every error with a sentence for the user; the command line prints it and exits with status 2."""
+
+
+class InvalidParameterError(FlycontrolError, ValueError):
+    """A value that no system can have: a negative inertia, a delay that is not a number."""
+
+
+class InvalidInputError(FlycontrolError, ValueError):
+    """A file, a mapping or a recording that cannot be used as it is."""
+
+
+class OutputError(FlycontrolError, OSError):
+    """A result that could not be written; nothing half-written is left behind."""
+
+
+class NeutralSystemError(FlycontrolError, ValueError):
+    """A delay system whose highest derivative is delayed too, or an algebraic loop through a delay."""
+
+
+class AlgebraicLoopError(FlycontrolError, ValueError):
+    """A feedback whose undelayed direct path has no unique solution."""
+
+
+class UnstableSystemError(FlycontrolError, ValueError):
+    """A quantity asked for that only a stable loop has."""

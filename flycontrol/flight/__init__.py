@@ -1,0 +1,1 @@
+"""The wing level: forces and torques of flapping wings."""

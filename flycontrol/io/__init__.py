@@ -1,0 +1,1 @@
+"""The door: read, check, refuse. Units become SI here."""

@@ -1,0 +1,1 @@
+"""Figures and pages: they compose and draw what other layers computed."""
