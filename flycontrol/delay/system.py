@@ -1,0 +1,143 @@
+"""Linear systems with constant delays, as a linear fractional transformation with respect to the delays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flycontrol.errors import InvalidParameterError
+
+FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DelayLTI:
+    """x' = A x + B1 u + B2 w,  y = C1 x + D11 u + D12 w,  z = C2 x + D21 u + D22 w,  w_i(t) = z_i(t - tau_i).
+
+    With n states, m inputs, p outputs and q delay channels: A (n, n), B1 (n, m), B2 (n, q), C1 (p, n), C2 (q, n),
+    D11 (p, m), D12 (p, q), D21 (q, m), D22 (q, q), tau (q,) in seconds, each > 0. `delay_lti` fills blocks left out.
+
+    Raises
+    ------
+    InvalidParameterError
+        If a block does not fit the others, an entry is not finite, or a delay is not > 0.
+    """
+
+    A: FloatArray
+    B1: FloatArray
+    B2: FloatArray
+    C1: FloatArray
+    C2: FloatArray
+    D11: FloatArray
+    D12: FloatArray
+    D21: FloatArray
+    D22: FloatArray
+    tau: FloatArray  #: delays [s]
+
+    def __post_init__(self) -> None:
+        n, m, p, q = self.n_states, self.n_inputs, self.n_outputs, self.n_delays
+        shapes = {
+            "A": (n, n), "B1": (n, m), "B2": (n, q), "C1": (p, n), "C2": (q, n),
+            "D11": (p, m), "D12": (p, q), "D21": (q, m), "D22": (q, q), "tau": (q,),
+        }  # fmt: skip
+        for name, shape in shapes.items():
+            block: FloatArray = getattr(self, name)
+            if block.shape != shape:
+                raise InvalidParameterError(
+                    f"DelayLTI.{name} must have shape {shape} to fit A (n = {n}), B1 (m = {m}), C1 (p = {p}) "
+                    f"and tau (q = {q}), got {block.shape}."
+                )
+            if not np.isfinite(block).all():
+                raise InvalidParameterError(f"DelayLTI.{name} must be finite, got {block.tolist()!r}.")
+            block.setflags(write=False)
+        if not (self.tau > 0).all():
+            raise InvalidParameterError(f"DelayLTI.tau must be > 0 s, got {self.tau.tolist()!r}.")
+
+    @property
+    def n_states(self) -> int:
+        """Number of states n."""
+        return self.A.shape[0]
+
+    @property
+    def n_inputs(self) -> int:
+        """Number of inputs m."""
+        return self.B1.shape[1]
+
+    @property
+    def n_outputs(self) -> int:
+        """Number of outputs p."""
+        return self.C1.shape[0]
+
+    @property
+    def n_delays(self) -> int:
+        """Number of delay channels q."""
+        return len(self.tau)
+
+    def __call__(self, s: ArrayLike) -> ComplexArray:
+        """Transfer matrix at the complex frequencies s [1/s]; shape s.shape + (p, m)."""
+        points = np.asarray(s, dtype=np.complex128)
+        inner = characteristic_matrix(self, points)
+        n = self.n_states
+        factor = _delay_factor(self, points)
+        forcing = np.empty((*points.shape, n + self.n_delays, self.n_inputs), dtype=np.complex128)
+        forcing[..., :n, :] = self.B1
+        forcing[..., n:, :] = factor[..., None] * self.D21
+        states = np.linalg.solve(inner, forcing)
+        return self.C1 @ states[..., :n, :] + self.D12 @ states[..., n:, :] + self.D11
+
+
+def delay_lti(  # noqa: PLR0913 (one argument a block)
+    *,
+    A: ArrayLike,
+    B1: ArrayLike,
+    C1: ArrayLike,
+    tau: ArrayLike = (),
+    B2: ArrayLike | None = None,
+    C2: ArrayLike | None = None,
+    D11: ArrayLike | None = None,
+    D12: ArrayLike | None = None,
+    D21: ArrayLike | None = None,
+    D22: ArrayLike | None = None,
+) -> DelayLTI:
+    """A `DelayLTI` from its blocks; blocks that are left out are zero. Shapes as in `DelayLTI`."""
+    a, b1, c1 = (np.array(block, dtype=np.float64, ndmin=2) for block in (A, B1, C1))
+    delays = np.atleast_1d(np.array(tau, dtype=np.float64))
+    n, m, p, q = a.shape[0], b1.shape[1], c1.shape[0], len(delays)
+
+    def block(given: ArrayLike | None, shape: tuple[int, int]) -> FloatArray:
+        return np.zeros(shape) if given is None else np.array(given, dtype=np.float64, ndmin=2)
+
+    return DelayLTI(
+        a, b1, block(B2, (n, q)), c1, block(C2, (q, n)),
+        block(D11, (p, m)), block(D12, (p, q)), block(D21, (q, m)), block(D22, (q, q)), delays,
+    )  # fmt: skip
+
+
+def _delay_factor(system: DelayLTI, s: ComplexArray) -> ComplexArray:
+    """exp(-s tau_i), shape s.shape + (q,)."""
+    return np.exp(-s[..., None] * system.tau)
+
+
+def characteristic_matrix(system: DelayLTI, s: ArrayLike) -> ComplexArray:
+    """[[s I - A, -B2], [-E C2, I - E D22]] with E = diag exp(-s tau_i); singular exactly at the system's roots.
+
+    Shape s.shape + (n + q, n + q). Its determinant is entire in s when the system is of retarded type.
+    """
+    points = np.asarray(s, dtype=np.complex128)
+    n, q = system.n_states, system.n_delays
+    factor = _delay_factor(system, points)[..., None]
+    matrix = np.empty((*points.shape, n + q, n + q), dtype=np.complex128)
+    matrix[..., :n, :n] = points[..., None, None] * np.eye(n) - system.A
+    matrix[..., :n, n:] = -system.B2
+    matrix[..., n:, :n] = -factor * system.C2
+    matrix[..., n:, n:] = np.eye(q) - factor * system.D22
+    return matrix
+
+
+def is_retarded(system: DelayLTI) -> bool:
+    """Whether no path leads from a delay back into itself without passing a state (D22 structurally nilpotent)."""
+    pattern = (system.D22 != 0).astype(np.float64)
+    return not np.linalg.matrix_power(pattern, max(1, system.n_delays)).any()
