@@ -1,1 +1,1 @@
-"""The door: read, check, refuse. Units become SI here."""
+"""The door: read, check, refuse. Files and units stop here; inside, everything is SI and radians."""

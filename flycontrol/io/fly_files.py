@@ -1,0 +1,144 @@
+"""Fly files: their tables, the ones that the package ships, and a user's file laid over the default one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field
+
+from flycontrol.errors import InvalidInputError
+from flycontrol.io.text_files import text_file
+from flycontrol.io.toml_files import Table, TomlFile, parse_toml, read_toml_file, structured
+from flycontrol.model.parameters import Certainty
+
+DEFAULT = "fly"
+_SECTIONS = ("fly", "controller", "pulse", "damping_range")  #: those that a user's file need not complete
+
+
+class Entry(Table):
+    """A quantity as a file writes it: `delay = "12 ms"`, or a table with its source, certainty and note."""
+
+    value: Any
+    source: str = ""
+    certainty: Certainty = "user"
+    note: str = ""
+
+
+def _as_entry(written: object) -> object:
+    return written if isinstance(written, dict) else {"value": written}
+
+
+_Quantity = Annotated[Entry, BeforeValidator(_as_entry)]
+
+
+class _Fly(Table):
+    name: str = Field(min_length=1, max_length=100)
+    inertia: _Quantity
+    damping: _Quantity
+    wingbeat_frequency: _Quantity
+
+
+class _Controller(Table):
+    proportional_gain: _Quantity
+    derivative_gain: _Quantity
+    delay: _Quantity
+
+
+class _Pulse(Table):
+    duration: _Quantity
+    peak: _Quantity
+    tolerance: _Quantity
+
+
+class _DampingRange(Table):
+    low: _Quantity
+    high: _Quantity
+
+
+class _Morphology(Table):
+    mass: _Quantity
+    wing_length: _Quantity
+    wing_length_over_mean_chord: _Quantity
+    second_moment_radius: _Quantity | None = None
+    right_hinge: _Quantity | None = None
+    stroke_plane_angle: _Quantity | None = None
+    stroke_plane_inertia_over_mgr_per_f2: _Quantity | None = None
+
+
+class FlyFile(Table):
+    """A complete fly file."""
+
+    fly: _Fly
+    controller: _Controller
+    pulse: _Pulse
+    damping_range: _DampingRange
+    morphology: _Morphology | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class LayeredFile:
+    """A fly file laid over the default one: the merged tables, and the keys that the default had to fill."""
+
+    user: TomlFile
+    tables: FlyFile
+    defaulted: tuple[str, ...]  #: as "controller.delay"
+
+    def where(self, key: str) -> str:
+        """File and line of a key such as "controller.delay"."""
+        return (shipped_file(DEFAULT) if key in self.defaulted else self.user).where(*key.split("."))
+
+    def entry(self, key: str) -> Entry:
+        """Look up the quantity of a key such as "controller.delay"."""
+        section, name = key.split(".")
+        return getattr(getattr(self.tables, section), name)
+
+
+def read_fly_file(path: Path | str | None) -> LayeredFile:
+    """Read a fly file (None: the default; a name such as "drosophila_hydei": a shipped one), check its structure."""
+    toml = _toml(path)
+    default = shipped_file(DEFAULT).data
+    merged: dict[str, Any] = {key: value for key, value in toml.data.items() if key not in _SECTIONS}
+    defaulted: list[str] = []
+    for section in _SECTIONS:
+        given = toml.data.get(section, {})
+        if not isinstance(given, dict):
+            raise InvalidInputError(f"{toml.where(section)}: {section} is {given!r}; a table [{section}] is needed.")
+        merged[section] = default[section] | given
+        defaulted += [f"{section}.{key}" for key in default[section] if key not in given]
+    return LayeredFile(toml, structured(FlyFile, merged, toml), tuple(defaulted))
+
+
+def shipped_parameters() -> tuple[str, ...]:
+    """Names of the parameter files that the package ships; the first is the default."""
+    names = {path.name.removesuffix(".toml") for path in _data().iterdir() if path.name.endswith(".toml")}
+    return (DEFAULT, *sorted(names - {DEFAULT}))
+
+
+def parameter_text(name: str = DEFAULT) -> str:
+    """Text of a shipped parameter file; InvalidInputError if there is none of that name."""
+    if name not in shipped_parameters():
+        raise InvalidInputError(f"No parameters of {name!r} are shipped; there are {', '.join(shipped_parameters())}.")
+    return shipped_file(name).file.text
+
+
+@cache
+def shipped_file(name: str) -> TomlFile:
+    """Parse a shipped parameter file."""
+    return parse_toml(text_file(f"{name}.toml", _data().joinpath(f"{name}.toml").read_bytes()))
+
+
+def _toml(path: Path | str | None) -> TomlFile:
+    if path is None:
+        return shipped_file(DEFAULT)
+    if str(path) in shipped_parameters() and not Path(path).exists():
+        return shipped_file(str(path))
+    return read_toml_file(Path(path))
+
+
+def _data() -> Traversable:
+    return files("flycontrol.model").joinpath("data")
