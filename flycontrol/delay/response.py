@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flycontrol.delay import kernels
+from flycontrol.delay.kernels import march as kernels
 from flycontrol.delay.spectrum import is_retarded
 from flycontrol.delay.system import DelayLTI, FloatArray
 from flycontrol.errors import InvalidParameterError, NeutralSystemError
@@ -50,6 +50,11 @@ class Response:
     def last_time_outside(self, band: float, output: int = 0) -> float:
         """Last time at which |y| > band [s]; -1 if it never is, inf if it still is at the end of the response."""
         return float(kernels.last_time_outside(self.starts, self.lengths, self.series[:, output], float(band)))
+
+    def largest(self, output: int = 0) -> tuple[float, float]:
+        """Largest |y| and its time [s]."""
+        value, time = kernels.largest(self.starts, self.lengths, self.series[:, output])
+        return float(value), float(time)
 
 
 def response(
@@ -107,13 +112,13 @@ def _march(
     history = s.C2 @ x0
     if s.D22.any():  # delayed signals of a constant past: w = z
         history = np.linalg.solve(np.eye(s.n_delays) - s.D22, history)
-    return kernels.march(
-        s.A, s.B1, s.B2, s.C1, s.C2, s.D11, s.D12, s.D21, s.D22, s.tau, edges, inputs, x0, history, end, _rule()
-    )
+    # copies are writeable and contiguous, so that one compiled signature serves every caller
+    blocks = [np.array(block) for block in (s.A, s.B1, s.B2, s.C1, s.C2, s.D11, s.D12, s.D21, s.D22, s.tau)]
+    return kernels.march(*blocks, edges, inputs, x0, history, end, collocation_rule())
 
 
 @lru_cache(maxsize=1)
-def _rule() -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, float]:
+def collocation_rule() -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, float]:
     """Gauss collocation on [0, 1]: nodes, weights, integrals K_ij of Lagrange polynomials, values to Chebyshev series.
 
     The series interpolate at the start and the s nodes: the collocation polynomial itself.

@@ -9,10 +9,10 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from flycontrol.delay.system import ComplexArray, DelayLTI, FloatArray, characteristic_matrix, is_retarded
+from flycontrol.delay.kernels import newton
+from flycontrol.delay.system import ComplexArray, DelayLTI, FloatArray, is_retarded
 from flycontrol.errors import NeutralSystemError
 
-BoolArray = NDArray[np.bool_]
 _MAX_NODES = 400
 
 
@@ -123,56 +123,18 @@ def _collocated_roots(system: DelayLTI, nodes: int) -> ComplexArray:
     return _ordered(np.linalg.eigvals(M).astype(np.complex128))
 
 
-def log_derivative(system: DelayLTI, s: ComplexArray) -> ComplexArray:
-    """f'(s) / f(s) = tr(M^-1 M') of the characteristic function f = det M, at points of shape (k,)."""
-    n = system.n_states
-    matrix = characteristic_matrix(system, s)
-    slope = np.zeros_like(matrix)
-    slope[:, np.arange(n), np.arange(n)] = 1.0
-    factor = (system.tau * np.exp(-s[:, None] * system.tau))[:, :, None]
-    slope[:, n:, :n] = factor * system.C2
-    slope[:, n:, n:] = factor * system.D22
-    return np.trace(np.linalg.solve(matrix, slope), axis1=1, axis2=2)
-
-
 def _polish(system: DelayLTI, start: ComplexArray) -> tuple[ComplexArray, FloatArray]:
     """Newton with implicit deflation on the upper half of the roots; returns roots by falling real part and last steps."""
+    x = system
     roots = start[start.imag >= 0].copy()
     paired = roots.imag > 0
-    steps = np.full(len(roots), np.inf)
-    tiny = np.finfo(float).eps
-    active = np.ones(len(roots), dtype=bool)
-    for _ in range(40):
-        if not active.any():
-            break
-        with np.errstate(all="ignore"):
-            step = _aberth_step(system, roots, paired, active)
-        step[~np.isfinite(step)] = 0.0
-        alone = ~paired[active]
-        step[alone] = step[alone].real
-        roots[active] -= step
-        steps[active] = np.abs(step)
-        active[active] = np.abs(step) > 4 * tiny * np.abs(roots[active])
+    blocks = [np.array(block) for block in (x.A, x.B2, x.C2, x.D22, x.tau)]  # writeable copies: one compiled signature
+    steps = newton.polish(*blocks, roots, paired, 40)
     roots.imag = np.abs(roots.imag)
     pairs = np.concatenate([roots, roots[paired].conj()])
     errors = np.concatenate([steps, steps[paired]])
     order = _order(pairs)
     return pairs[order], errors[order]
-
-
-def _aberth_step(system: DelayLTI, roots: ComplexArray, paired: BoolArray, active: BoolArray) -> ComplexArray:
-    """Step 1 / (f'/f - sum 1 / (s - others)), the others with their conjugates."""
-    moving = roots[active]
-    try:
-        slope = log_derivative(system, moving)
-    except np.linalg.LinAlgError:  # a root hit exactly: the matrix is singular there, so nudge by rounding
-        slope = log_derivative(system, moving * (1 + 1e-15) + 1e-300)
-    everyone = np.concatenate([roots, roots[paired].conj()])
-    gaps = moving[:, None] - everyone[None, :]
-    itself = np.flatnonzero(active)
-    gaps[np.arange(len(moving)), itself] = np.inf
-    close = np.abs(gaps) < 1e-3 * np.abs(moving[:, None])  # deflate neighbours only: far roots are not approximate poles
-    return 1.0 / (slope - np.where(close, 1.0 / gaps, 0.0).sum(axis=1))
 
 
 def _order(roots: ComplexArray) -> NDArray[np.intp]:

@@ -1,4 +1,4 @@
-"""Compiled inner loops of the time response (Numba). The mathematics stands in `flycontrol.delay.response`."""
+"""March of a time response over collocation panels. The mathematics stands in `flycontrol.delay.response`."""
 
 from __future__ import annotations
 
@@ -306,3 +306,22 @@ def _crossing(series, band, outside, inside):
         else:
             inside = middle
     return 0.5 * (outside + inside)
+
+
+@numba.njit(cache=True)
+def largest(starts, lengths, series):
+    """Largest |y| of one output (P, s + 1) and its time."""
+    best, when = -1.0, 0.0
+    finest = 8
+    for panel in range(len(starts)):
+        bound = 0.0
+        for c in series[panel]:
+            bound += abs(c)
+        if bound <= best:
+            continue
+        for k in range(finest):
+            top = _peak_between(series[panel], 2.0 * k / finest - 1.0, 2.0 * (k + 1) / finest - 1.0)
+            value = abs(clenshaw(series[panel], top))
+            if value > best:
+                best, when = value, starts[panel] + 0.5 * (1.0 + top) * lengths[panel]
+    return best, when

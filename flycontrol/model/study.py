@@ -1,0 +1,183 @@
+"""Everything that a stability report shows of a yaw loop, computed once: exact beside Pade, over gain, delay, strength and damping."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import brentq
+
+from flycontrol.delay.frequency import FrequencyResponse, evaluate, frequency_response
+from flycontrol.delay.locus import RootLocus, root_locus
+from flycontrol.delay.pade import pade
+from flycontrol.delay.spectrum import rightmost_roots
+from flycontrol.delay.system import ComplexArray, FloatArray
+from flycontrol.jobs.progress import Progress, no_progress
+from flycontrol.model.gains import ChosenGains, PulseTask, fastest_pd, fastest_proportional, largest_stable_delay
+from flycontrol.model.recovery import RecoveryCurve, pulse_response, recovery_curve
+from flycontrol.model.stability import StabilityResult, assess
+from flycontrol.model.yaw import PDController, YawLoop
+from flycontrol.units import deg
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LoopShape:
+    """Open-loop frequency response, exact and with the Pade approximation."""
+
+    exact: FrequencyResponse
+    pade: ComplexArray  #: L(j w) with the delay approximated, on the same frequencies
+    pade_order: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class YawRecoveries:
+    """Yaw after the nominal pulse at several strengths."""
+
+    time: FloatArray  #: [s], shape (k,)
+    peaks: FloatArray  #: peak deflection of each [rad], shape (s,)
+    yaw: FloatArray  #: exact [rad], shape (s, k)
+    yaw_pade: FloatArray  #: with the Pade approximation [rad], shape (s, k)
+    torque: FloatArray  #: the fly's torque over the inertia, exact [rad/s^2], shape (s, k)
+    pade_order: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DampingRow:
+    """What P and PD can do at one damping."""
+
+    b: float  #: beta / I [1/s]
+    proportional: ChosenGains
+    derivative: ChosenGains  #: PD with a modulus margin of at least 0.5
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class StabilityStudy:
+    """A `StabilityResult` and what surrounds it. Parts that need a stable loop are None when it is not."""
+
+    result: StabilityResult
+    closed_form_largest_delay: float | None  #: T_max of the closed form for PD [s]; None where it does not apply
+    shape: LoopShape
+    gain_locus: RootLocus  #: over a factor on both gains
+    delay_locus: RootLocus  #: over the delay [s]
+    recoveries: YawRecoveries | None
+    curve: RecoveryCurve | None
+    pade_poles: dict[int, ComplexArray]  #: rightmost poles of the Pade loop by order [1/s]
+    damping_table: list[DampingRow]
+    deadline: float  #: the recovery time that P alone is held against [s]
+    proportional_suffices_from: float | None  #: beta/I at which the best P alone just meets the deadline [1/s]
+
+
+def study(
+    loop: YawLoop,
+    task: PulseTask,
+    dampings: Sequence[float],
+    *,
+    deadline: float = 0.060,
+    pade_order: int = 4,
+    progress: Progress = no_progress,
+) -> StabilityStudy:
+    """Study a loop.
+
+    Parameters
+    ----------
+    task
+        The nominal pulse.
+    dampings
+        Values of beta/I [1/s] at which the best P and the best PD are sought; the delay and the task stay.
+    deadline
+        Recovery time [s] that P alone is held against (the review's flies recover within 60 ms).
+    """
+    steps = len(dampings) + 4
+    progress(0, steps, "exact poles, margins and recovery")
+    result = assess(loop, task)
+    shape = _loop_shape(loop, pade_order)
+    progress(1, steps, "root locus in the gain and in the delay")
+    gain_locus, delay_locus = _gain_locus(loop), _delay_locus(loop)
+    progress(2, steps, "recoveries")
+    recovers = result.recovery_time is not None
+    recoveries = _recoveries(result, pade_order) if recovers else None
+    peaks = np.concatenate([np.geomspace(task.tolerance * 1.001, 6 * deg, 120), np.linspace(6 * deg, 45 * deg, 240)])
+    curve = recovery_curve(loop, task.duration, peaks[peaks > task.tolerance], task.tolerance) if recovers else None
+    table: list[DampingRow] = []
+    for k, b in enumerate(dampings):
+        progress(3 + k, steps, f"best P and PD at beta/I = {b:.0f} 1/s")
+        table.append(
+            DampingRow(
+                b=b, proportional=fastest_proportional(b, loop.delay, task), derivative=fastest_pd(b, loop.delay, task, 0.5)
+            )
+        )
+    progress(steps - 1, steps, "the damping at which P alone suffices")
+    suffices = _proportional_suffices_from(loop.delay, task, deadline, dampings)
+    progress(steps, steps, "done")
+    return StabilityStudy(
+        result=result,
+        closed_form_largest_delay=_closed_form(loop),
+        shape=shape,
+        gain_locus=gain_locus,
+        delay_locus=delay_locus,
+        recoveries=recoveries,
+        curve=curve,
+        pade_poles={n: rightmost_roots(loop.pade_closed_loop(n)).roots for n in (1, 2, 4)} if loop.delay else {},
+        damping_table=table,
+        deadline=deadline,
+        proportional_suffices_from=suffices,
+    )
+
+
+def _closed_form(loop: YawLoop) -> float | None:
+    b = loop.plant.damping_rate
+    return largest_stable_delay(b, loop.kp, loop.kd) if loop.kp > 0 and b + loop.kd > 0 else None
+
+
+def _loop_shape(loop: YawLoop, order: int) -> LoopShape:
+    L = loop.open_loop()
+    exact = frequency_response(L, 1.0, 40.0 / max(loop.delay, 1e-3), turn=0.05)
+    return LoopShape(exact=exact, pade=evaluate(pade(L, order), exact.omega), pade_order=order)
+
+
+def _gain_locus(loop: YawLoop) -> RootLocus:
+    """Roots over a common factor on both gains, 0.02 to 4."""
+
+    def scaled(factor: float) -> YawLoop:
+        gains = PDController(
+            proportional=factor * loop.controller.proportional, derivative=factor * loop.controller.derivative
+        )
+        return replace(loop, controller=gains)
+
+    return root_locus(lambda factor: scaled(factor).closed_loop(), np.geomspace(0.02, 4.0, 240))
+
+
+def _delay_locus(loop: YawLoop) -> RootLocus:
+    """Roots over the delay, from a tenth to four times the loop's own."""
+    centre = max(loop.delay, 1e-3)
+    return root_locus(lambda T: replace(loop, delay=T).closed_loop(), np.geomspace(0.1, 4.0, 240) * centre)
+
+
+def _recoveries(result: StabilityResult, order: int) -> YawRecoveries:
+    assert result.pulse is not None
+    loop, task = result.loop, result.task
+    peaks = np.array([5.0, 10.0, 20.0, 30.0, 40.0]) * deg
+    end = max(0.1, 1.3 * (result.recovery_time or 0.0))
+    time = np.linspace(0.0, end, 1201)
+    exact = pulse_response(loop.closed_loop(), result.pulse, end)(time)
+    approximate = pulse_response(loop.pade_closed_loop(order), result.pulse, end)(time)
+    factor = (peaks / task.peak)[:, None]
+    return YawRecoveries(
+        time=time, peaks=peaks, yaw=factor * exact[0], yaw_pade=factor * approximate[0],
+        torque=factor * exact[2] / loop.plant.inertia, pade_order=order,
+    )  # fmt: skip
+
+
+def _proportional_suffices_from(
+    delay: float, task: PulseTask, deadline: float, dampings: Sequence[float]
+) -> float | None:
+    """The damping at which the best P alone just meets the deadline, searched up to four times the given range."""
+
+    def excess(b: float) -> float:
+        return fastest_proportional(b, delay, task).recovery_time - deadline
+
+    low, high = 0.25 * min(dampings), 4.0 * max(dampings)
+    if not excess(low) > 0 > excess(high):
+        return None
+    return float(brentq(excess, low, high, xtol=0.05))
