@@ -1,0 +1,50 @@
+"""What every peer program shares: a problem on stdin, medians after warm-up, results as JSON on stdout."""
+
+import gc
+import json
+import math
+import statistics
+import sys
+import time
+from importlib.metadata import version
+
+MISSED = 1e-3  # relative distance beyond which a root counts as not found
+
+
+def timed(call, budget=0.3):
+    """Median and least time of a call [s], without the garbage collector, over at least 9 repetitions."""
+    for _ in range(3):
+        call()
+    gc.collect()
+    gc.disable()
+    times, stop = [], time.perf_counter() + budget
+    while len(times) < 9 or (time.perf_counter() < stop and len(times) < 2000):
+        start = time.perf_counter()
+        call()
+        times.append(time.perf_counter() - start)
+    gc.enable()
+    return {"run_s": statistics.median(times), "best_s": min(times), "repetitions": len(times)}
+
+
+def angle_error(problem, angles):
+    """Largest error of a response [deg]."""
+    return math.degrees(max(abs(x - y) for x, y in zip(angles, problem["reference"], strict=True)))
+
+
+def root_error(problem, found):
+    """Largest relative distance from a wanted root to the nearest one found; infinite if one was missed."""
+    worst = 0.0
+    for re, im in problem["roots"]:
+        z = complex(re, im)
+        distance = min((abs(w - z) / abs(z) for w in found), default=math.inf)
+        worst = max(worst, distance if distance < MISSED else math.inf)
+    return worst
+
+
+def main(tool, measure):
+    """Measure the problem on stdin; a measurement is a list of dictionaries with use, setting, error, run_s, best_s."""
+    rows = []
+    for row in measure(json.load(sys.stdin)):
+        row["error"] = row["error"] if math.isfinite(row["error"]) else None
+        rows.append(row)
+    json.dump({"tool": tool, "version": version(tool), "rows": rows}, sys.stdout)
