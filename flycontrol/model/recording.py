@@ -17,8 +17,8 @@ FloatArray = NDArray[np.float64]
 class WingAngles:
     """Angles of one wing in the stroke-plane frame [rad], each of shape (N,).
 
-    Stroke is positive when the wing is swept forward of the lateral axis or backward of it, as `Recording` says;
-    deviation is positive out of the stroke plane on the dorsal side; pitch is 90 deg when the chord is vertical.
+    Stroke is positive when the wing is swept forward of the lateral axis; deviation is positive out of the stroke
+    plane on the dorsal side; pitch is 90 deg when the chord is vertical and below it on the forward stroke.
     """
 
     stroke: FloatArray  #: phi [rad]
@@ -43,6 +43,7 @@ class Recording:
     velocity_S: FloatArray | None = None  #: (N, 3) [m/s]
     angular_velocity_S: FloatArray | None = None  #: (N, 3) roll, pitch, yaw rate [rad/s]
     q_WB: FloatArray | None = None  #: (N, 4) body to world, scalar first
+    stroke_plane_angle: float | None = None  #: v_S = Ry(angle) v_B: the stroke plane's frame is nose down [rad]
     left: WingAngles | None = None
     right: WingAngles | None = None
     notes: Mapping[str, str] = field(default_factory=dict[str, str])  #: what the mapping says of its conventions
@@ -53,7 +54,8 @@ class Recording:
         for array in self._arrays():
             if len(array) != len(self.time):
                 raise InvalidInputError(
-                    f"{self.name}: a channel has {len(array)} samples where time has {len(self.time)}; check the mapping."
+                    f"{self.name}: a channel has {len(array)} samples where time has {len(self.time)}; "
+                    "check the mapping."
                 )
             array.setflags(write=False)
 

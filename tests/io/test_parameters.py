@@ -1,4 +1,5 @@
 import math
+import re
 
 import pytest
 from hypothesis import given
@@ -8,6 +9,7 @@ from flycontrol.errors import InvalidInputError
 from flycontrol.io.fly_files import parameter_text, shipped_parameters
 from flycontrol.io.morphology import read_morphology_table
 from flycontrol.io.parameters import read_parameters
+from flycontrol.model.references import references
 
 
 @pytest.fixture
@@ -149,7 +151,7 @@ def test_a_fault_in_the_controller_is_refused_with_its_place(fly, line, said):
         ('[pulse]\npeak = "1 deg"', "pulse.tolerance (2 deg) must be smaller than pulse.peak (1 deg)"),
         ('[damping_range]\nlow = "200 1/s"', "damping_range.low (200 1/s) must be smaller than damping_range.high"),
         ("fly = 3", "fly is 3; a table [fly] is needed"),
-        ("[flie]", "flie is not a key known here; the nearest known key is fly"),
+        ("[flyy]", "flyy is not a key known here; the nearest known key is fly"),
         ("[[fly]]", "a table [fly] is needed"),
         ('[fly]\nname = "a"\nname = "b"', "not valid TOML"),
         ("delay: 13.6 ms", "not valid TOML"),
@@ -245,3 +247,26 @@ def test_a_fault_in_the_morphology_is_refused(fly, line, said):
     with pytest.raises(InvalidInputError) as error:
         read_morphology_table(fly(text))
     assert said in str(error.value)
+
+
+def test_the_larger_fly_is_the_default_one_with_time_scaled_by_the_wingbeat():
+    default, larger = read_parameters(), read_parameters("drosophila_hydei")
+    slower = larger.wingbeat_frequency.value / default.wingbeat_frequency.value
+    assert larger.damping_rate == pytest.approx(default.damping_rate * slower, rel=1e-3)  # printed with four digits
+    assert larger.proportional_gain.value == pytest.approx(default.proportional_gain.value * slower**2, rel=1e-3)
+    assert larger.derivative_gain.value == pytest.approx(default.derivative_gain.value * slower, rel=1e-3)
+    assert larger.delay_in_wingbeats == pytest.approx(default.delay_in_wingbeats, rel=1e-4)
+    assert larger.damping_low.value == pytest.approx(default.damping_low.value * slower, rel=1e-2)  # without decimals
+    assert larger.damping_high.value == pytest.approx(default.damping_high.value * slower, rel=1e-2)
+
+
+def test_the_yaw_inertia_of_the_larger_fly_follows_from_its_morphology():
+    larger, body = read_parameters("drosophila_hydei"), read_morphology_table("drosophila_hydei")
+    scale = body["mass"] * 9.81 * body["wing_length"] / larger.wingbeat_frequency.value**2
+    assert larger.inertia.value == pytest.approx(body["stroke_plane_inertia_over_mgr_per_f2"][2] * scale, rel=1e-3)
+
+
+@pytest.mark.parametrize("name", shipped_parameters())
+def test_every_shipped_source_is_in_the_bibliography(name):
+
+    assert set(re.findall(r'source = "(\w+)"', parameter_text(name))) <= set(references())
