@@ -28,6 +28,8 @@ def read_text_file(path: Path) -> TextFile:
     """
     if path.is_dir():
         raise InvalidInputError(f"{path} is a folder; name a file in it.")
+    if path.exists() and not path.is_file():  # a device may never end
+        raise InvalidInputError(f"{path} is not a regular file; save the data in a file first.")
     try:
         data = path.read_bytes()
     except FileNotFoundError as error:

@@ -73,7 +73,7 @@ def test_an_unknown_name_is_refused_with_the_shipped_ones(tmp_path):
         ('format = "whitespace"', 'format = "xlsx"', "file.format is 'xlsx'; input should be 'whitespace', 'csv' or"),
         ('source = "freeflightplots"', 'source = "nobody"', "'nobody' is no reference"),
         ("[velocity]", "[velocty]", "velocty is not a key known here; the nearest known key is velocity"),
-        ("[file]", "[file]\nchanels = 1", "file.chanels is not a key known here; the nearest known key is file.chan"),
+        ("[file]", "[file]\nchannelz = 1", "file.channelz is not a key known here; the nearest known key is file.chan"),
         ('name = "muijres_freeflight"', "", "name is missing"),
         ('deviation = { row = 17, unit = "deg" }', "", "left.deviation is missing"),
         ("[clock]", "[clock", "not valid TOML"),

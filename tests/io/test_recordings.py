@@ -1,3 +1,5 @@
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -184,6 +186,10 @@ def test_a_missing_file_a_folder_and_an_empty_file_are_refused(tmp_path):
     assert "is a folder" in refusal(tmp_path)
     assert "is empty" in refusal(tmp_path / "empty.txt")
     assert "holds only comments" in refusal(tmp_path / "comments.txt")
+
+
+def test_a_device_is_refused():
+    assert "/dev/zero is not a regular file" in refusal(Path("/dev/zero"))
 
 
 def test_a_binary_file_is_refused(tmp_path):
