@@ -4,11 +4,19 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, PlainValidator
+from pydantic_core import PydanticCustomError
 
 from flycontrol.io.toml_files import Table
 
-Place = Annotated[int, Field(ge=0)] | Annotated[str, Field(min_length=1)]  #: counted from 0, or a name
+
+def _place(written: object) -> int | str:
+    if (isinstance(written, str) and written) or (type(written) is int and written >= 0):
+        return written
+    raise PydanticCustomError("place", "a number counted from 0, or a name, is needed")
+
+
+Place = Annotated[int | str, PlainValidator(_place)]
 Sign = Literal[1, -1]
 
 

@@ -88,12 +88,6 @@ def _sentence(fault: ErrorDetails, keys: tuple[str, ...], model: type[Table]) ->
         return f"{key} is missing"
     if fault["type"] in {"model_type", "model_attributes_type"}:
         return f"{key} is {fault['input']!r}; a table is needed"
-    if fault["type"] == "value_error":
-        return (
-            f"{key}: {fault['msg'].removeprefix('Value error, ')}"
-            if key
-            else fault["msg"].removeprefix("Value error, ")
-        )
     return f"{key} is {fault['input']!r}; {fault['msg'][0].lower()}{fault['msg'][1:]}"
 
 

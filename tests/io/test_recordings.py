@@ -381,6 +381,13 @@ def test_without_wings_less_than_thirty_milliseconds_are_refused(written, tmp_pa
     assert "lasts 29.8 ms, that is 3 wingbeats at 100 Hz (no wing is mapped" in refusal(written(table), mapping)
 
 
+def test_a_csv_whose_quotes_hide_line_ends_is_refused(written, tmp_path):
+    mapping = tmp_path / "map.toml"
+    mapping.write_text(YAW_BY_TIME.replace("whitespace", "csv"))
+    assert "a quoted field runs over several lines" in refusal(written(['0,"1', '1",2', "2,3"]), mapping)
+    assert "is not a readable table" in refusal(written(["0," + "1" * 200_000]), mapping)
+
+
 @pytest.mark.parametrize("samples", [0, 1])
 def test_a_recording_without_motion_in_time_is_refused(written, tmp_path, samples):
     mapping = tmp_path / "map.toml"
