@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import cast
 
@@ -30,7 +31,6 @@ class Morphology:
     right_hinge: Vector  #: from the centre of mass, frame S [m]; the left hinge is its mirror image
     inertia: Matrix  #: about the centre of mass, frame S [kg m^2]
     stroke_plane_angle: float  #: v_S = Ry(angle) v_B [rad]
-    source: str = ""  #: where the numbers come from and how certain they are
 
     def __post_init__(self) -> None:
         for name in ("mass", "wing_length", "mean_chord"):
@@ -87,26 +87,71 @@ def slender_inertia(roll: float, pitch: float, yaw: float) -> Matrix:
     return ((roll, 0.0, product), (0.0, pitch, 0.0), (product, 0.0, yaw))
 
 
-def drosophila_hydei(wingbeat_frequency: float = 189.0) -> Morphology:
-    """*D. hydei* as the laboratory of the free-flight recordings takes it.
+def morphology_from_table(
+    table: Mapping[str, float | tuple[float, ...]], species: str, wingbeat_frequency: float
+) -> Morphology:
+    """Complete the [morphology] section of a fly file; what it leaves out is that of *D. melanogaster*, scaled.
 
-    Inertia is published as (0.64, 1.07, 0.57) m g R / f^2 about the stroke plane's axes; `wingbeat_frequency` [1/s]
-    is the f of that scaling. The product of inertia is not published: it is that of a body of revolution
-    (`slender_inertia`), which puts the long axis 47 deg above the stroke plane. The hinge is that of *D. melanogaster*
-    scaled with wing length 3.0 / 2.4 and pitched into the stroke plane: uncertain by 0.3 mm forward or back.
+    Parameters
+    ----------
+    table
+        mass [kg], wing_length [m], wing_length_over_mean_chord, and where known second_moment_radius, right_hinge
+        (body axes, [m]), stroke_plane_angle [rad], stroke_plane_inertia_over_mgr_per_f2 (moments about x, y, z of the
+        stroke-plane frame over m g R / f^2; the product of inertia is that of a body of revolution).
+    species
+        Its name.
+    wingbeat_frequency
+        f of the inertia's scaling [1/s].
     """
-    mass, length = 1.8 * mg, 3.0 * mm
-    scale = mass * GRAVITY * length / wingbeat_frequency**2
-    angle = np.radians(55.0)
-    hinge_B = np.array([0.22, 0.45, -0.375]) * mm * (3.0 / 2.4)
+    mass, length = float(cast(float, table["mass"])), float(cast(float, table["wing_length"]))
+    angle = float(cast(float, table.get("stroke_plane_angle", np.radians(55.0))))
+    hinge_B = np.array(table.get("right_hinge", tuple(np.array(_HINGE_OVER_R) * length)))
+    moments = table.get("stroke_plane_inertia_over_mgr_per_f2")
+    if moments is None:
+        inertia = _scaled_inertia(mass, length, angle)
+    else:
+        roll, pitch, yaw = np.array(moments) * mass * GRAVITY * length / wingbeat_frequency**2
+        inertia = slender_inertia(float(roll), float(pitch), float(yaw))
     return Morphology(
-        species="Drosophila hydei",
+        species=species,
         mass=mass,
         wing_length=length,
-        mean_chord=length / 3.158,
-        second_moment_radius=0.58,
-        right_hinge=cast(Vector, tuple(float(v) for v in pitch_rotation(angle) @ hinge_B)),
-        inertia=slender_inertia(0.64 * scale, 1.07 * scale, 0.57 * scale),
-        stroke_plane_angle=float(angle),
-        source="mass, wing and moments of inertia S2 (the recordings' laboratory); hinge scaled from D. melanogaster",
+        mean_chord=length / float(cast(float, table["wing_length_over_mean_chord"])),
+        second_moment_radius=float(cast(float, table.get("second_moment_radius", 0.58))),
+        right_hinge=_vector(pitch_rotation(angle) @ hinge_B),
+        inertia=inertia,
+        stroke_plane_angle=angle,
     )
+
+
+def drosophila_hydei(wingbeat_frequency: float = 189.0) -> Morphology:
+    """*D. hydei* as the laboratory of the free-flight recordings takes it (freeflightplots, S2).
+
+    The product of inertia is not published: that of a body of revolution puts the long axis 47 deg above the stroke
+    plane. The hinge is that of *D. melanogaster* scaled with wing length: uncertain by some 0.3 mm forward or back.
+    `wingbeat_frequency` [1/s] scales the inertia.
+    """
+    table: dict[str, float | tuple[float, ...]] = {
+        "mass": 1.8 * mg,
+        "wing_length": 3.0 * mm,
+        "wing_length_over_mean_chord": 3.158,
+        "stroke_plane_angle": float(np.radians(55.0)),
+        "stroke_plane_inertia_over_mgr_per_f2": (0.64, 1.07, 0.57),
+    }
+    return morphology_from_table(table, "Drosophila hydei", wingbeat_frequency)
+
+
+_HINGE_OVER_R = (0.22 / 2.4, 0.465 / 2.4, -0.375 / 2.4)  # D. melanogaster, body axes
+
+
+def _scaled_inertia(mass: float, length: float, angle: float) -> Matrix:
+    """I = I_t 1 - (I_t - I_n) n n^T with cheng2009's moments of *D. melanogaster*, over m R^2."""
+    scale = mass * length**2 / (1.1 * mg * (2.4 * mm) ** 2)
+    nose = pitch_rotation(angle) @ np.array([1.0, 0.0, 0.0])
+    inertia = scale * (5.06e-13 * np.eye(3) - (5.06e-13 - 1.145e-13) * np.outer(nose, nose))
+    return (_vector(inertia[0]), _vector(inertia[1]), _vector(inertia[2]))
+
+
+def _vector(values: FloatArray) -> Vector:
+    x, y, z = (float(v) for v in values)
+    return (x, y, z)
