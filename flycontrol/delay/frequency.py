@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flycontrol.delay.spectrum import balance, root_bound
+from flycontrol.delay.balance import balance, root_bound
 from flycontrol.delay.system import ComplexArray, DelayLTI, FloatArray
 from flycontrol.errors import InvalidParameterError
 
@@ -77,7 +77,7 @@ def frequency_response(system: DelayLTI, low: float, high: float, turn: float = 
 
 
 def active_range(system: DelayLTI) -> tuple[float, float]:
-    """Frequencies [rad/s] between which |L| can cross 1: from far below every rate to where a norm bound makes |L| < 1."""
+    """Frequencies [rad/s] between which |L| can cross 1: from far below every rate to where a bound has |L| < 1."""
     x = balance(system)
     radius = max(root_bound(x, 0.0), 1e-12)
     rates = np.abs(np.linalg.eigvals(x.A)) if x.n_states else np.zeros(0)

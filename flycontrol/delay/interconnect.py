@@ -16,11 +16,15 @@ def append(*systems: DelayLTI) -> DelayLTI:
         # block_diag keeps the rows of a block without columns, which empty delay blocks rely on
         return np.asarray(scipy.linalg.block_diag(*[getattr(system, name) for system in systems]), dtype=np.float64)
 
-    blocks = [stacked(name) for name in ("A", "B1", "B2", "C1", "C2", "D11", "D12", "D21", "D22")]
-    return DelayLTI(*blocks, np.concatenate([system.tau for system in systems]))
+    return DelayLTI(
+        stacked("A"), stacked("B1"), stacked("B2"), stacked("C1"), stacked("C2"),
+        stacked("D11"), stacked("D12"), stacked("D21"), stacked("D22"), np.concatenate([s.tau for s in systems]),
+    )  # fmt: skip
 
 
-def connect(system: DelayLTI, feedback_matrix: FloatArray, input_matrix: FloatArray, output_matrix: FloatArray) -> DelayLTI:
+def connect(
+    system: DelayLTI, feedback_matrix: FloatArray, input_matrix: FloatArray, output_matrix: FloatArray
+) -> DelayLTI:
     """Close u = F y + G v around a system and read H y.
 
     Parameters

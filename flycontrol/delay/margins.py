@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
+from scipy.optimize import fminbound
 
+from flycontrol.delay.bracket import bracketed_root
 from flycontrol.delay.frequency import FrequencyResponse, active_range, evaluate, frequency_response
 from flycontrol.delay.system import DelayLTI, FloatArray
 
@@ -32,8 +34,8 @@ class Margins:
 def margins(loop: DelayLTI, floor: float = 0.01) -> Margins:
     """Margins of the loop that negative unit feedback closes around `loop`.
 
-    Crossovers are sign changes on a response refined until log L moves by less than 0.1 between neighbours, then solved by
-    Brent's method. Frequencies reach up to where a norm bound keeps |L| below 1, or |L| falls below `floor`.
+    Crossovers are sign changes on a response refined until log L moves by less than 0.1 between neighbours, then solved
+    by Brent's method. Frequencies reach up to where a norm bound keeps |L| below 1, or |L| falls below `floor`.
 
     Raises
     ------
@@ -65,7 +67,7 @@ def _gain_crossovers(loop: DelayLTI, response: FrequencyResponse) -> FloatArray:
         return float(np.log(np.abs(evaluate(loop, np.array([w]))[0])))
 
     value = np.log(np.abs(response.value))
-    return np.array([_root(excess, response.omega, k) for k in np.flatnonzero(value[1:] * value[:-1] <= 0)])
+    return np.array([_root(excess, response.omega, int(k)) for k in np.flatnonzero(value[1:] * value[:-1] <= 0)])
 
 
 def _phase_crossovers(loop: DelayLTI, response: FrequencyResponse, floor: float) -> FloatArray:
@@ -75,12 +77,12 @@ def _phase_crossovers(loop: DelayLTI, response: FrequencyResponse, floor: float)
     L = response.value
     crossing = (L.imag[1:] * L.imag[:-1] <= 0) & (L.real[1:] < 0) & (L.real[:-1] < 0)
     big = (np.abs(L[1:]) > 0.9 * floor) | (np.abs(L[:-1]) > 0.9 * floor)
-    roots = np.array([_root(quadrature, response.omega, k) for k in np.flatnonzero(crossing & big)])
+    roots = np.array([_root(quadrature, response.omega, int(k)) for k in np.flatnonzero(crossing & big)])
     return roots[np.abs(evaluate(loop, roots)) > floor] if len(roots) else roots
 
 
-def _root(function: object, omega: FloatArray, k: int) -> float:
-    return float(brentq(function, omega[k], omega[k + 1], xtol=1e-14 * omega[k + 1], rtol=4 * np.finfo(float).eps))  # pyright: ignore[reportCallIssue, reportArgumentType]
+def _root(function: Callable[[float], float], omega: FloatArray, k: int) -> float:
+    return bracketed_root(function, float(omega[k]), float(omega[k + 1]))
 
 
 def _modulus_margin(loop: DelayLTI, response: FrequencyResponse) -> tuple[float, float]:
@@ -95,8 +97,8 @@ def _modulus_margin(loop: DelayLTI, response: FrequencyResponse) -> tuple[float,
     best, where = float(abs(1.0 + loop.D11[0, 0]) - delayed[0, 0]), np.inf
     lowest = np.flatnonzero((grid[1:-1] <= grid[:-2]) & (grid[1:-1] <= grid[2:])) + 1
     for k in lowest[grid[lowest] < grid.min() * 1.05]:
-        interval = np.log(response.omega[[k - 1, k + 1]])
-        found = minimize_scalar(distance, bounds=tuple(interval), method="bounded", options={"xatol": 1e-12})
-        if found.fun < best:
-            best, where = float(found.fun), float(np.exp(found.x))
+        left, right = (float(np.log(response.omega[k + side])) for side in (-1, 1))
+        log_w = float(fminbound(distance, left, right, xtol=1e-12))
+        if distance(log_w) < best:
+            best, where = distance(log_w), float(np.exp(log_w))
     return best, where

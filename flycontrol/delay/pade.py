@@ -25,7 +25,7 @@ class PadeMatrices(NamedTuple):
 def pade_matrices(order: int) -> PadeMatrices:
     """[n/n] Pade approximant of exp(-s) = (1 - tanh(s/2)) / (1 + tanh(s/2)), as an LC ladder seen by its waves.
 
-    The continued fraction 1 / tanh(s/2) = c1/s + 1 / (c2/s + 1 / (c3/s + ...)) with c_k = 2 (2k - 1), cut after n terms,
+    The continued fraction 1 / tanh(s/2) = c1/s + 1 / (c2/s + 1 / (c3/s + ...)), c_k = 2 (2k - 1), cut after n terms,
     gives exactly the [n/n] approximant. Its elements are n lossless storages; states scaled to stored energy make
     A + A' = -B B' and C = +-B', so that conditioning stays harmless at any order, while the companion form in seconds
     fails from about order 12.
@@ -48,7 +48,7 @@ def pade_matrices(order: int) -> PadeMatrices:
     A, B = np.zeros((n, n)), np.zeros(n)
     for row in range(n):
         is_cap = row % 2 == 0
-        # current through capacitor `row` is i_1 less the coils before it; voltage over a coil is v_1 less the capacitors
+        # a capacitor's current is i_1 less the coils before it; a coil's voltage is v_1 less the capacitors
         start, through = (i1, coil) if is_cap else (v1, cap)
         A[row] = start - through * (k <= row)
         B[row] = i1_a if is_cap else v1_a
@@ -73,10 +73,7 @@ def pade(system: DelayLTI, order: int) -> DelayLTI:
         return system
     unit = pade_matrices(order)
     channels = append(
-        *[
-            _rational(unit.A / tau, unit.B[:, None] / tau, unit.C[None, :], np.array([[unit.D]]))
-            for tau in system.tau
-        ]
+        *[_rational(unit.A / tau, unit.B[:, None] / tau, unit.C[None, :], np.array([[unit.D]])) for tau in system.tau]
     )
     opened = _open_delays(system)
     both = append(opened, channels)
@@ -125,7 +122,8 @@ def from_control(system: control.StateSpace | control.TransferFunction) -> Delay
             f"python-control finds no state space for this system ({refusal}); an improper system has none: "
             "feed back the plant's derivative output instead."
         ) from refusal
-    return _rational(*(np.array(block, dtype=np.float64) for block in (ss.A, ss.B, ss.C, ss.D)))
+    blocks: list[FloatArray] = [np.array(getattr(ss, name), dtype=np.float64) for name in "ABCD"]
+    return _rational(blocks[0], blocks[1], blocks[2], blocks[3])
 
 
 def _rational(A: FloatArray, B: FloatArray, C: FloatArray, D: FloatArray) -> DelayLTI:

@@ -1,4 +1,4 @@
-"""Time response of a delay system by collocation on panels that start at every kink: exact to rounding, no step to choose."""
+"""Time response of a delay system, exact to rounding: collocation on panels that start at every kink."""
 
 from __future__ import annotations
 
@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flycontrol.delay.kernels import march as kernels
-from flycontrol.delay.spectrum import is_retarded
-from flycontrol.delay.system import DelayLTI, FloatArray
+from flycontrol.delay.system import DelayLTI, FloatArray, is_retarded
 from flycontrol.errors import InvalidParameterError, NeutralSystemError
 
 _GAUSS_NODES = 10
@@ -43,7 +42,7 @@ class Response:
         slack = 1e-12 * self.end
         if not (t[0] >= self.starts[0] - slack and t[-1] <= self.end + slack and (t[1:] >= t[:-1]).all()):
             raise InvalidParameterError(
-                f"Response times must rise within 0..{self.end:g} s, got {t.min():g}..{t.max():g} s; ask for a longer response."
+                f"Times must rise within 0..{self.end:g} s, got {t.min():g}..{t.max():g} s; ask for a longer response."
             )
         return kernels.sample(self.starts, self.lengths, self.series, t)
 
@@ -87,7 +86,9 @@ def response(
     if not (end > 0 and np.isfinite(end)):
         raise InvalidParameterError(f"The end of a response must be > 0 s, got {end!r}.")
     if not is_retarded(system):
-        raise NeutralSystemError("This system is of neutral type: a delay feeds back into itself without passing a state.")
+        raise NeutralSystemError(
+            "This system is of neutral type: a delay feeds back into itself without passing a state."
+        )
     steps = np.atleast_1d(np.asarray(edges, dtype=np.float64))
     values = np.zeros((len(steps), system.n_inputs)) if inputs is None else np.asarray(inputs, dtype=np.float64)
     if values.ndim == 1:
@@ -96,8 +97,8 @@ def response(
         raise InvalidParameterError(f"Input edges must rise from 0 s, got {steps.tolist()!r}.")
     if values.shape != (len(steps), system.n_inputs) or not np.isfinite(values).all():
         raise InvalidParameterError(
-            f"Inputs must be finite with one row an edge and one column an input, shape {(len(steps), system.n_inputs)}, "
-            f"got shape {values.shape}."
+            "Inputs must be finite with one row an edge and one column an input, shape "
+            f"{(len(steps), system.n_inputs)}, got shape {values.shape}."
         )
     x0 = np.zeros(system.n_states) if initial_state is None else np.array(initial_state, dtype=np.float64)
     if x0.shape != (system.n_states,) or not np.isfinite(x0).all():
@@ -113,8 +114,10 @@ def _march(
     if s.D22.any():  # delayed signals of a constant past: w = z
         history = np.linalg.solve(np.eye(s.n_delays) - s.D22, history)
     # copies are writeable and contiguous, so that one compiled signature serves every caller
-    blocks = [np.array(block) for block in (s.A, s.B1, s.B2, s.C1, s.C2, s.D11, s.D12, s.D21, s.D22, s.tau)]
-    return kernels.march(*blocks, edges, inputs, x0, history, end, collocation_rule())
+    C1, C2, tau = s.C1.copy(), s.C2.copy(), s.tau.copy()
+    D11, D12, D21, D22 = s.D11.copy(), s.D12.copy(), s.D21.copy(), s.D22.copy()
+    blocks = (s.A.copy(), s.B1.copy(), s.B2.copy(), C1, C2, D11, D12, D21, D22, tau)
+    return kernels.march(blocks, edges, inputs, x0, history, end, collocation_rule())
 
 
 @lru_cache(maxsize=1)
@@ -131,4 +134,4 @@ def collocation_rule() -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, 
     )
     points = np.concatenate([[-1.0], x])
     to_series = np.linalg.inv(np.polynomial.chebyshev.chebvander(points, _GAUSS_NODES))
-    return (x + 1) / 2, w / 2, integrals / 2, np.ascontiguousarray(to_series), _REACH
+    return (x + 1) / 2, w / 2, integrals / 2, np.ascontiguousarray(to_series, dtype=np.float64), _REACH

@@ -1,4 +1,4 @@
-"""Rightmost characteristic roots: Chebyshev collocation of the delay channels, then Newton on the exact equation."""
+"""Rightmost characteristic roots: Chebyshev collocation, Newton on the exact equation, and a count that certifies."""
 
 from __future__ import annotations
 
@@ -6,14 +6,15 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 
+from flycontrol.delay.balance import balance, root_bound
+from flycontrol.delay.count import count_right_of
 from flycontrol.delay.kernels import newton
 from flycontrol.delay.system import ComplexArray, DelayLTI, FloatArray, is_retarded
 from flycontrol.errors import NeutralSystemError
 
-_MAX_NODES = 400
+_MOST_NODES = 400
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -22,8 +23,9 @@ class Spectrum:
 
     roots: ComplexArray  #: [1/s], by falling real part, conjugates next to each other, upper one first
     errors: FloatArray  #: estimated error of each root: its last Newton step [1/s]
-    nodes: int  #: collocation nodes a delay channel; 0 without delays
-    status: str  #: what is known of completeness, in words
+    line: float  #: every root with Re s > line is listed, if `status` is "certified" [1/s]
+    nodes: int  #: collocation nodes of the longest delay; 0 without delays
+    status: str  #: "certified", "not certified", "a root too near the line", or "not counted" without `certify`
 
     @property
     def abscissa(self) -> float:
@@ -31,12 +33,12 @@ class Spectrum:
         return float(self.roots[0].real) if len(self.roots) else -np.inf
 
 
-def rightmost_roots(system: DelayLTI, count: int = 10) -> Spectrum:
+def rightmost_roots(system: DelayLTI, count: int = 10, *, certify: bool = True) -> Spectrum:
     """The `count` rightmost roots of det [[s I - A, -B2], [-E C2, I - E D22]] = 0 (one more if it would split a pair).
 
     Each delay channel is a transport line, collocated at Chebyshev points; the eigenvalues of states and lines start a
-    Newton iteration with implicit deflation (Ehrlich-Aberth) on the exact equation. Lines get enough nodes to resolve every root
-    as large as the norm bound allows in the half plane that is returned.
+    Newton iteration with implicit deflation (Ehrlich-Aberth) on the exact equation. The number of roots right of a line
+    just left of the last one is then counted by the argument principle; nodes are added until both agree.
 
     Raises
     ------
@@ -49,49 +51,59 @@ def rightmost_roots(system: DelayLTI, count: int = 10) -> Spectrum:
             "roots can crowd a vertical line. Put a lag into that path."
         )
     if system.n_delays == 0:
-        roots = _ordered(np.linalg.eigvals(system.A).astype(np.complex128))[: count + 1]
-        roots = _whole_pairs(roots, count)
-        return Spectrum(roots, np.zeros(len(roots)), 0, "all roots: the system has no delay")
+        roots = _ordered(np.linalg.eigvals(system.A).astype(np.complex128))
+        eps = np.finfo(float).eps * np.abs(roots).max(initial=0.0)
+        return Spectrum(roots[: _whole(roots, count)], np.full(_whole(roots, count), eps), -np.inf, 0, "certified")
     balanced = balance(system)
-    nodes = _nodes_for(root_bound(balanced, 0.0) * balanced.tau.max())
+    nodes = max(8 + count, _nodes_for(root_bound(balanced, 0.0) * balanced.tau.max()))
     while True:
-        roots, errors = _polish(balanced, _collocated_roots(balanced, nodes)[: count + 4])
-        wanted = _whole_pairs(roots, count)
-        line = float(wanted[-1].real) if len(wanted) else 0.0
-        needed = _nodes_for(min(root_bound(balanced, line), 1.5 * float(np.abs(wanted).max(initial=0.0))) * balanced.tau.max())
-        if needed <= nodes or nodes >= _MAX_NODES:
-            break
-        nodes = min(_MAX_NODES, max(needed, nodes + 8))
-    enough = needed <= nodes
-    status = "resolved to the norm bound of the roots" if enough else f"not resolved with {_MAX_NODES} nodes a delay"
-    return Spectrum(wanted, errors[: len(wanted)], nodes, status)
+        found = _spectrum_with(balanced, nodes, count, certify)
+        complete = found.status != "not certified" and len(found.roots) >= min(count, _most_roots(system, count))
+        if complete or nodes >= _MOST_NODES or (found.status == "certified" and nodes > 40 + 10 * count):
+            return found
+        nodes = min(_MOST_NODES, nodes + nodes // 2)
 
 
-def balance(system: DelayLTI) -> DelayLTI:
-    """The same system with states scaled so that rows and columns of |A| + |B2| |C2| are of equal size."""
-    if system.n_states == 0:
-        return system
-    weight = np.abs(system.A) + np.abs(system.B2) @ np.abs(system.C2)
-    _, (scale, _) = scipy.linalg.matrix_balance(weight, permute=False, separate=True)
-    s = np.asarray(scale, dtype=np.float64)
-    x = system
-    return DelayLTI(
-        x.A * s / s[:, None], x.B1 / s[:, None], x.B2 / s[:, None], x.C1 * s, x.C2 * s,
-        x.D11, x.D12, x.D21, x.D22, x.tau,
-    )  # fmt: skip
+def _most_roots(system: DelayLTI, count: int) -> int:
+    """As many roots as there can be: n where no delayed signal reaches a state."""
+    return count if system.B2.any() and system.C2.any() else system.n_states
 
 
-def root_bound(system: DelayLTI, line: float) -> float:
-    """A bound on |s| for every root with Re s >= line: ||A|| + ||B2|| ||E|| ||(I - D22 E)^-1|| ||C2|| [1/s]."""
-    growth = np.exp(-line * system.tau)
-    chain = np.linalg.inv(np.eye(system.n_delays) - growth[:, None] * np.abs(system.D22))
-    delayed = np.abs(system.B2) @ chain @ (growth[:, None] * np.abs(system.C2))
-    return float(np.linalg.norm(np.abs(system.A) + delayed, np.inf))
+def _spectrum_with(balanced: DelayLTI, nodes: int, count: int, certify: bool) -> Spectrum:
+    """The rightmost roots that `nodes` collocation nodes find, and whether the count agrees."""
+    roots, errors = _polish(balanced, _collocated_roots(balanced, nodes)[: count + 6])
+    many = _whole(roots, count)
+    line = _line_left_of(roots, many)
+    while certify and line is None and many < len(roots):  # the next root shares the real part: take it along
+        many = _whole(roots, many + 1)
+        line = _line_left_of(roots, many)
+    kept, kept_errors = roots[:many], errors[:many]
+    if line is None:
+        return Spectrum(kept, kept_errors, float(kept[-1].real) if many else 0.0, nodes, "a root too near the line")
+    if not certify:
+        resolved = nodes >= _nodes_for(float(np.abs(kept).max(initial=0.0)) * balanced.tau.max())
+        return Spectrum(kept, kept_errors, line, nodes, "not counted" if resolved else "not certified")
+    counted = count_right_of(balanced, line)
+    agrees = counted.roots == many
+    status = counted.status if counted.roots is None or agrees else "not certified"
+    return Spectrum(kept, kept_errors, line, nodes, status)
+
+
+def _line_left_of(roots: ComplexArray, many: int) -> float | None:
+    """A vertical line between root `many` and the next one on the left; None where the gap is too narrow."""
+    if many == 0:
+        return None
+    last = float(roots[many - 1].real)
+    size = float(np.abs(roots[:many]).max())
+    if many == len(roots):
+        return last - 0.02 * size
+    gap = last - float(roots[many].real)
+    return last - min(0.5 * gap, 0.05 * size) if gap > 1e-5 * size else None
 
 
 def _nodes_for(radius: float) -> int:
     """Chebyshev nodes that resolve exp(-s theta), 0 <= theta <= 1, for |s| <= radius to better than Newton needs."""
-    return int(min(_MAX_NODES, np.ceil(10.0 + 0.75 * radius)))
+    return int(min(_MOST_NODES, np.ceil(10.0 + 0.75 * radius)))
 
 
 @lru_cache(maxsize=64)
@@ -107,34 +119,47 @@ def _chebyshev_differentiation(n: int) -> FloatArray:
 
 
 def _collocated_roots(system: DelayLTI, nodes: int) -> ComplexArray:
-    """Eigenvalues of states and collocated transport lines v_t = -v_theta / tau, v(0) = z, w = v(1); rightmost first."""
-    n, q = system.n_states, system.n_delays
-    D = _chebyshev_differentiation(nodes)
-    size = n + q * nodes
+    """Eigenvalues of states and transport lines v_t = -v_theta / tau, v(0) = z, w = v(1); rightmost first."""
+    n = system.n_states
+    counts = np.maximum(6, np.ceil(nodes * system.tau / system.tau.max())).astype(np.intp)
+    ends = n + np.cumsum(counts) - 1
+    size = n + int(counts.sum())
     M = np.zeros((size, size))
-    ends = n + nodes * np.arange(1, q + 1) - 1
     M[:n, :n] = system.A
     M[:n, ends] = system.B2
     for i, tau in enumerate(system.tau):
-        rows = slice(n + i * nodes, n + (i + 1) * nodes)
-        M[rows, rows] = -D[1:, 1:] / tau
-        M[rows, :n] += np.outer(-D[1:, 0] / tau, system.C2[i])
-        M[rows, ends] += np.outer(-D[1:, 0] / tau, system.D22[i])
+        D = _chebyshev_differentiation(int(counts[i])) / tau
+        rows = slice(int(ends[i] - counts[i]) + 1, int(ends[i]) + 1)
+        M[rows, rows] = -D[1:, 1:]
+        M[rows, :n] += np.outer(-D[1:, 0], system.C2[i])
+        M[rows, ends] += np.outer(-D[1:, 0], system.D22[i])
     return _ordered(np.linalg.eigvals(M).astype(np.complex128))
 
 
 def _polish(system: DelayLTI, start: ComplexArray) -> tuple[ComplexArray, FloatArray]:
-    """Newton with implicit deflation on the upper half of the roots; returns roots by falling real part and last steps."""
+    """Newton with implicit deflation on the upper half; returns roots by falling real part and their last steps.
+
+    A start that Newton carries far away was no root of the exact system, and two starts apart that meet were one: both
+    are dropped, for the count to notice if a root is missing.
+    """
     x = system
-    roots = start[start.imag >= 0].copy()
+    upper = start[start.imag >= 0]
+    roots = upper.copy()
     paired = roots.imag > 0
-    blocks = [np.array(block) for block in (x.A, x.B2, x.C2, x.D22, x.tau)]  # writeable copies: one compiled signature
-    steps = newton.polish(*blocks, roots, paired, 40)
+    # copies are writeable, so that one compiled signature serves all
+    blocks = (x.A.copy(), x.B2.copy(), x.C2.copy(), x.D22.copy(), x.tau.copy())
+    steps = newton.polish(blocks, roots, paired, 40)
     roots.imag = np.abs(roots.imag)
+    near = np.abs(roots - upper) <= 0.1 * np.abs(upper) + 1e-3 / x.tau.max()
+    keep = near & (steps <= 1e-2 * np.abs(roots) + 1e-12 / x.tau.max())
+    for k in np.flatnonzero(keep):
+        twins = keep[:k] & (np.abs(roots[:k] - roots[k]) <= 1e-7 * np.abs(roots[k]) + 1e-13 / x.tau.max())
+        if (np.abs(upper[:k] - upper[k])[twins] > 1e-2 * np.abs(upper[k])).any():
+            keep[k] = False
+    roots, steps, paired = roots[keep], steps[keep], paired[keep]
     pairs = np.concatenate([roots, roots[paired].conj()])
-    errors = np.concatenate([steps, steps[paired]])
     order = _order(pairs)
-    return pairs[order], errors[order]
+    return pairs[order], np.concatenate([steps, steps[paired]])[order]
 
 
 def _order(roots: ComplexArray) -> NDArray[np.intp]:
@@ -147,8 +172,8 @@ def _ordered(roots: ComplexArray) -> ComplexArray:
     return roots[_order(roots)]
 
 
-def _whole_pairs(roots: ComplexArray, count: int) -> ComplexArray:
-    """The first `count` roots, one more if the last would leave its conjugate behind."""
-    head = roots[:count]
-    splits = len(head) < len(roots) and len(head) > 0 and head[-1].imag > 0
-    return roots[: count + 1] if splits else head
+def _whole(roots: ComplexArray, count: int) -> int:
+    """How many of the roots make up the first `count`, one more if the last would leave its conjugate behind."""
+    head = min(count, len(roots))
+    splits = 0 < head < len(roots) and roots[head - 1].imag > 0
+    return head + 1 if splits else head

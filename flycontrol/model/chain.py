@@ -1,4 +1,4 @@
-"""The loop as a chain of named transfer functions: halteres, neural controller, muscle and hinge, paddling, body (Fig. 8)."""
+"""The loop as a chain of named transfer functions: halteres, neural controller, hinge, paddling, body (Fig. 8)."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Link:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Chain:
-    """Links in order around the loop, with the sign of the feedback left out; their product is L(s) of `YawLoop.open_loop`."""
+    """Links around the loop, the sign of the feedback left out; their product is L(s) of `YawLoop.open_loop`."""
 
     links: tuple[Link, ...]
 
@@ -41,13 +41,18 @@ class Chain:
         return np.prod([link(s) for link in self.links], axis=0)
 
     def phase_budget(self, omega: float) -> dict[str, float]:
-        """Phase of each link at an angular frequency [rad/s], in rad, each in (-pi, pi] but the delay's counted in full."""
+        """Phase of each link at a frequency [rad/s], in rad, each in (-pi, pi] with the delay counted in full."""
         point = 1j * omega
-        return {link.name: float(np.angle(link(point) * np.exp(point * link.delay)) - omega * link.delay) for link in self.links}
+        return {
+            link.name: float(np.angle(link(point) * np.exp(point * link.delay)) - omega * link.delay)
+            for link in self.links
+        }
 
 
 def yaw_chain(loop: YawLoop, gamma: float, mu: float) -> Chain:
-    """S -> C -> M -> A -> body for a yaw loop.  Review, Fig. 8 and Eq. 8: gamma d_alpha = gamma mu d_eta0 = K_P psi + K_D psi'.
+    """S -> C -> M -> A -> body for a yaw loop.  Review, Fig. 8 and Eq. 8.
+
+    Eq. 8: gamma d_alpha = gamma mu d_eta0 = K_P psi + K_D psi'.
 
     The halteres sense psi', so PD on the angle is PI on the rate, its integrator started at the heading error. Only the
     product of the neural gains with gamma and mu is fixed by the loop; the whole delay stands at the controller.
@@ -68,7 +73,9 @@ def yaw_chain(loop: YawLoop, gamma: float, mu: float) -> Chain:
         numerator=(K_D / (gamma * mu), K_P / (gamma * mu)), denominator=(1.0, 0.0), delay=loop.delay,
     )  # fmt: skip
     hinge = Link(name="M muscle and hinge", reads="hinge bias [rad]", gives="paddling angle [rad]", numerator=(mu,))
-    paddling = Link(name="A paddling aerodynamics", reads="paddling angle [rad]", gives="torque [N m]", numerator=(gamma,))
+    paddling = Link(
+        name="A paddling aerodynamics", reads="paddling angle [rad]", gives="torque [N m]", numerator=(gamma,)
+    )
     body = Link(
         name="body", reads="torque [N m]", gives="yaw angle [rad]",
         numerator=(1.0,), denominator=(loop.plant.inertia, loop.plant.damping, 0.0),

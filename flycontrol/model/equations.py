@@ -31,8 +31,10 @@ def stroke_averaged_torque(
     return right - left
 
 
-def paddling_torque(gamma: Quantity, d_alpha: Quantity, yaw_rate: Quantity = 0.0, wing_speed: Quantity | None = None) -> Quantity:
-    """gamma d_alpha (1 + (psi' / omega)^2): Eq. 2 with linear C_D keeps psi'^2 only here; without omega, Eq. 3's gamma d_alpha."""
+def paddling_torque(
+    gamma: Quantity, d_alpha: Quantity, yaw_rate: Quantity = 0.0, wing_speed: Quantity | None = None
+) -> Quantity:
+    """gamma d_alpha (1 + (psi' / omega)^2): Eq. 2 with linear C_D; without omega, Eq. 3's gamma d_alpha."""
     if wing_speed is None:
         return gamma * d_alpha
     return gamma * d_alpha * (1.0 + (yaw_rate / wing_speed) ** 2)
@@ -43,7 +45,9 @@ def turn_acceleration(inertia: Quantity, damping: Quantity, yaw_rate: Quantity, 
     return (-damping * yaw_rate + torque) / inertia
 
 
-def hinge_torque(stiffness: Quantity, damping: Quantity, pitch: Quantity, rest_angle: Quantity, pitch_rate: Quantity) -> Quantity:
+def hinge_torque(
+    stiffness: Quantity, damping: Quantity, pitch: Quantity, rest_angle: Quantity, pitch_rate: Quantity
+) -> Quantity:
     """tau = -kappa (eta - eta0) - C eta'.  Review, section 5."""
     return -stiffness * (pitch - rest_angle) - damping * pitch_rate
 

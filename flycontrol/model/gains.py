@@ -48,7 +48,9 @@ def largest_stable_delay(b: float, kp: float, kd: float) -> float:
         If kp <= 0 or b + kd <= 0: unstable even without delay.
     """
     if not (kp > 0 and b + kd > 0):
-        raise InvalidParameterError(f"The closed form needs kp > 0 and b + kd > 0, got kp = {kp!r}, b + kd = {b + kd!r}.")
+        raise InvalidParameterError(
+            f"The closed form needs kp > 0 and b + kd > 0, got kp = {kp!r}, b + kd = {b + kd!r}."
+        )
     excess = kd**2 - b**2
     wc = np.sqrt((excess + np.hypot(excess, 2 * kp)) / 2)
     return float((np.arctan2(kd * wc, kp) + np.arctan2(b, wc)) / wc)
@@ -112,7 +114,9 @@ def most_robust_pd(b: float, delay: float, task: PulseTask, deadline: float) -> 
     return _chosen(rule, b, delay, task, kp, kd)
 
 
-def _shrinking_grid(cost: Callable[[FloatArray, FloatArray], FloatArray], b: float, delay: float) -> tuple[float, float]:
+def _shrinking_grid(
+    cost: Callable[[FloatArray, FloatArray], FloatArray], b: float, delay: float
+) -> tuple[float, float]:
     """Minimum of a cost over (kp, kd): a coarse grid over all stable gains, then ever smaller grids around the best."""
     scale = 1.0 / delay
     low = np.array([0.02 * (b * scale + scale**2), -0.5 * b])
@@ -134,10 +138,14 @@ def _shrinking_grid(cost: Callable[[FloatArray, FloatArray], FloatArray], b: flo
 def _recovery_sweep(b: float, kp: FloatArray, kd: FloatArray, delay: float, task: PulseTask) -> FloatArray:
     """Recovery times [s]; inf for unstable gains and for recoveries longer than a dozen delays and pulses."""
     times = np.full(len(kp), np.inf)
-    stable = np.array([p > 0 and b + d > 0 and delay < 0.97 * largest_stable_delay(b, p, d) for p, d in zip(kp, kd, strict=True)])
+    stable = np.array(
+        [p > 0 and b + d > 0 and delay < 0.97 * largest_stable_delay(b, p, d) for p, d in zip(kp, kd, strict=True)]
+    )
     horizon = 4 * task.duration + 16 * delay
     ratio = task.tolerance / task.peak
-    times[stable] = kernels.recovery_times(b, kp[stable], kd[stable], delay, task.duration, ratio, horizon, collocation_rule())
+    times[stable] = kernels.recovery_times(
+        b, kp[stable], kd[stable], delay, task.duration, ratio, horizon, collocation_rule()
+    )
     return times
 
 

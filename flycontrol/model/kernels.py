@@ -10,7 +10,7 @@ from flycontrol.delay.kernels.march import largest, last_time_outside, march
 
 @numba.njit(cache=True)
 def recovery_times(b, kp, kd, delay, duration, ratio, horizon, rule):
-    """Recovery times [s] after a pulse, for gains kp, kd (k,): last entry into `ratio` times the peak; inf if later than horizon.
+    """Recovery times [s] for gains kp, kd (k,): last entry into `ratio` times the peak; inf if later than horizon.
 
     The loop is psi'' = -b psi' - (kp psi + kd psi')(t - delay) + pulse, from rest.
     """
@@ -23,7 +23,7 @@ def recovery_times(b, kp, kd, delay, duration, ratio, horizon, rule):
     for k in range(len(kp)):
         C2 = np.array([[kp[k], kd[k]]])
         starts, lengths, series, _ = march(
-            A, B1, B2, C1, C2, D11, D12, D21, D22, tau, edges, inputs, x0, z0, horizon, rule
+            (A, B1, B2, C1, C2, D11, D12, D21, D22, tau), edges, inputs, x0, z0, horizon, rule
         )
         yaw = series[:, 0]
         peak, _ = largest(starts, lengths, yaw)

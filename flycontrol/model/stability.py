@@ -62,13 +62,15 @@ def assess(loop: YawLoop, task: PulseTask, count: int = 10) -> StabilityResult:
     """Exact poles, margins and recovery of a loop; an unstable loop is a result, not an error."""
     spectrum = rightmost_roots(loop.closed_loop(), count)
     stable = spectrum.abscissa < 0
-    found = {"loop": loop, "task": task, "poles": spectrum.roots, "pole_errors": spectrum.errors}
     if not stable:
         reason = (
             f"The loop is unstable: its rightmost pole lies at {spectrum.abscissa:+.4g} 1/s, so margins and a recovery "
             "time do not exist."
         )
-        return StabilityResult(**found, stable=False, margins=None, pulse=None, recovery_time=None, reason=reason)
+        return StabilityResult(
+            loop=loop, task=task, stable=False, poles=spectrum.roots, pole_errors=spectrum.errors,
+            margins=None, pulse=None, recovery_time=None, reason=reason,
+        )  # fmt: skip
     try:
         pulse = pulse_for_peak(loop, task.duration, task.peak)
         seconds: float | None = recovery_time(loop, pulse, task.tolerance)
@@ -76,5 +78,6 @@ def assess(loop: YawLoop, task: PulseTask, count: int = 10) -> StabilityResult:
     except UnstableSystemError as too_slow:
         pulse, seconds, reason = None, None, str(too_slow)
     return StabilityResult(
-        **found, stable=True, margins=loop.margins(), pulse=pulse, recovery_time=seconds, reason=reason
-    )
+        loop=loop, task=task, stable=True, poles=spectrum.roots, pole_errors=spectrum.errors,
+        margins=loop.margins(), pulse=pulse, recovery_time=seconds, reason=reason,
+    )  # fmt: skip

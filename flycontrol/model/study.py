@@ -1,4 +1,4 @@
-"""Everything that a stability report shows of a yaw loop, computed once: exact beside Pade, over gain, delay, strength and damping."""
+"""Everything that a stability report shows of a yaw loop, computed once."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import brentq
 
+from flycontrol.delay.bracket import bracketed_root
 from flycontrol.delay.frequency import FrequencyResponse, evaluate, frequency_response
 from flycontrol.delay.locus import RootLocus, root_locus
 from flycontrol.delay.pade import pade
@@ -104,7 +104,9 @@ def study(
         progress(3 + k, steps, f"best P and PD at beta/I = {b:.0f} 1/s")
         table.append(
             DampingRow(
-                b=b, proportional=fastest_proportional(b, loop.delay, task), derivative=fastest_pd(b, loop.delay, task, 0.5)
+                b=b,
+                proportional=fastest_proportional(b, loop.delay, task),
+                derivative=fastest_pd(b, loop.delay, task, 0.5),
             )
         )
     progress(steps - 1, steps, "the damping at which P alone suffices")
@@ -180,4 +182,4 @@ def _proportional_suffices_from(
     low, high = 0.25 * min(dampings), 4.0 * max(dampings)
     if not excess(low) > 0 > excess(high):
         return None
-    return float(brentq(excess, low, high, xtol=0.05))
+    return bracketed_root(excess, low, high, tolerance=0.05)

@@ -15,7 +15,10 @@ from flycontrol.errors import InvalidParameterError
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SymbolicDelaySystem:
-    """x' = f(x, w, u, p), y = g(x, w, u, p), z = h(x, w, u, p), w_i(t) = z_i(t - tau_i(p)); all fields are CasADi columns."""
+    """x' = f(x, w, u, p), y = g(x, w, u, p), z = h(x, w, u, p), w_i(t) = z_i(t - tau_i(p)).
+
+    All fields are CasADi columns.
+    """
 
     states: ca.SX  #: x (n, 1)
     delayed: ca.SX  #: w (q, 1)
@@ -40,8 +43,8 @@ def linearisation(system: SymbolicDelaySystem) -> ca.Function:
 def linearised(blocks: ca.Function, parameters: Sequence[float]) -> DelayLTI:
     """The exact delay system at rest (x = w = u = 0) for parameter values, from a `linearisation`."""
     evaluated = blocks(0, 0, 0, ca.DM(list(parameters)))
-    *matrices, tau = (np.array(block, dtype=np.float64) for block in evaluated)
-    return DelayLTI(*matrices, tau.ravel())
+    A, B1, B2, C1, C2, D11, D12, D21, D22, tau = (np.array(block, dtype=np.float64) for block in evaluated)
+    return DelayLTI(A, B1, B2, C1, C2, D11, D12, D21, D22, tau.ravel())
 
 
 def pade_augmented(system: SymbolicDelaySystem, order: int) -> SymbolicDelaySystem:
@@ -57,12 +60,12 @@ def pade_augmented(system: SymbolicDelaySystem, order: int) -> SymbolicDelaySyst
     """
     s, unit = system, pade_matrices(order)
     if ca.depends_on(s.delayed_signals, s.delayed):
-        raise InvalidParameterError("A delayed signal z depends directly on w; give that chain of delays a state first.")
+        raise InvalidParameterError(
+            "A delayed signal z depends directly on w; give that chain of delays a state first."
+        )
     channels = [ca.SX.sym(f"pade_{i}", order) for i in range(s.delayed.numel())]
     w = ca.vertcat(*[ca.DM(unit.C).T @ x + unit.D * s.delayed_signals[i] for i, x in enumerate(channels)])
-    rates = [
-        (ca.DM(unit.A) @ x + ca.DM(unit.B) * s.delayed_signals[i]) / s.delays[i] for i, x in enumerate(channels)
-    ]
+    rates = [(ca.DM(unit.A) @ x + ca.DM(unit.B) * s.delayed_signals[i]) / s.delays[i] for i, x in enumerate(channels)]
     nothing = ca.SX(0, 1)
     return SymbolicDelaySystem(
         states=ca.vertcat(s.states, *channels),
@@ -79,6 +82,6 @@ def pade_augmented(system: SymbolicDelaySystem, order: int) -> SymbolicDelaySyst
 def right_hand_side(system: SymbolicDelaySystem) -> ca.Function:
     """(x, w, u, p) -> x', y, z as a CasADi function, nonlinear terms included."""
     s = system
-    return ca.Function("system", [s.states, s.delayed, s.inputs, s.parameters], [s.derivative, s.outputs, s.delayed_signals])
-
-
+    return ca.Function(
+        "system", [s.states, s.delayed, s.inputs, s.parameters], [s.derivative, s.outputs, s.delayed_signals]
+    )

@@ -70,7 +70,7 @@ class YawLoop:
 
     @classmethod
     def from_rates(cls, *, b: float, kp: float, kd: float, delay: float, inertia: float = 1.0) -> YawLoop:
-        """From ratios to the inertia, which are all that yaw alone identifies: b = beta/I [1/s], kp = K_P/I [1/s^2], kd = K_D/I [1/s]."""
+        """From ratios to the inertia: b = beta/I [1/s], kp = K_P/I [1/s^2], kd = K_D/I [1/s]."""
         return cls(
             plant=YawPlant(inertia=inertia, damping=b * inertia),
             controller=PDController(proportional=kp * inertia, derivative=kd * inertia),
@@ -124,9 +124,8 @@ class YawLoop:
         return margins(self.open_loop())
 
     def _parameters(self) -> list[float]:
-        return [
-            self.plant.inertia, self.plant.damping, self.controller.proportional, self.controller.derivative, self.delay,
-        ]  # fmt: skip
+        gains = [self.controller.proportional, self.controller.derivative]
+        return [self.plant.inertia, self.plant.damping, *gains, self.delay]
 
 
 def yaw_system(*, saturated: bool = False, quadratic: bool = False) -> SymbolicDelaySystem:

@@ -126,7 +126,7 @@ def _inverses(A, lengths, K):
 
 @numba.njit(cache=True)
 def _delayed_values(W, panel, starts, lengths, tau, z_series, z0, nodes, where):
-    """Fill W (s + 1, q) with z(t - tau) at the start and the nodes of a panel, from earlier panels or the history z0."""
+    """Fill W (s + 1, q) with z(t - tau) at the points of a panel, from earlier panels or the history z0."""
     h = lengths[panel]
     for c in range(len(tau)):
         first = starts[panel] - tau[c]
@@ -194,12 +194,13 @@ def _advance(A, B1, B2, x, h, u, W, inverse, K, X, F, rhs):
 
 
 @numba.njit(cache=True)
-def march(A, B1, B2, C1, C2, D11, D12, D21, D22, tau, edges, inputs, x0, z0, end, rule):
+def march(blocks, edges, inputs, x0, z0, end, rule):
     """March over panels; returns starts, lengths, Chebyshev series of y (P, p, s + 1) and the states at panel ends.
 
-    `edges` (k,) are the times at which the input takes the values `inputs` (k, m); `rule` holds the collocation rule
-    (nodes, weights, K, to_series, longest panel times rate).
+    `blocks` holds those of `DelayLTI`, tau last; `edges` (k,) are the times at which the input takes the values `inputs`
+    (k, m); `rule` is the collocation rule (nodes, weights, K, to_series, longest panel times rate).
     """
+    A, B1, B2, C1, C2, D11, D12, D21, D22, tau = blocks
     nodes, weights, K, to_series, reach = rule
     n, q, p, s = A.shape[0], len(tau), C1.shape[0], len(nodes)
     breaks = breakpoints(edges, tau, end, 8)

@@ -54,11 +54,12 @@ def log_derivative(A, B2, C2, D22, tau, s):
 
 
 @numba.njit(cache=True)
-def polish(A, B2, C2, D22, tau, roots, paired, sweeps):
+def polish(blocks, roots, paired, sweeps):
     """Ehrlich-Aberth iteration on the roots with imag >= 0, in place; returns the size of each last step.
 
     A root marked `paired` stands for itself and its conjugate; one not marked is real and stays real.
     """
+    A, B2, C2, D22, tau = blocks
     count = len(roots)
     steps = np.full(count, np.inf)
     active = np.ones(count, np.bool_)
