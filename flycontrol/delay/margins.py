@@ -98,7 +98,7 @@ def _modulus_margin(loop: DelayLTI, response: FrequencyResponse) -> tuple[float,
     lowest = np.flatnonzero((grid[1:-1] <= grid[:-2]) & (grid[1:-1] <= grid[2:])) + 1
     for k in lowest[grid[lowest] < grid.min() * 1.05]:
         left, right = (float(np.log(response.omega[k + side])) for side in (-1, 1))
-        log_w = float(fminbound(distance, left, right, xtol=1e-12))
-        if distance(log_w) < best:
-            best, where = distance(log_w), float(np.exp(log_w))
+        log_w, *_ = fminbound(distance, left, right, xtol=1e-12, full_output=True)
+        if distance(float(log_w)) < best:
+            best, where = distance(float(log_w)), float(np.exp(log_w))
     return best, where

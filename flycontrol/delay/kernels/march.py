@@ -197,8 +197,8 @@ def _advance(A, B1, B2, x, h, u, W, inverse, K, X, F, rhs):
 def march(blocks, edges, inputs, x0, z0, end, rule):
     """March over panels; returns starts, lengths, Chebyshev series of y (P, p, s + 1) and the states at panel ends.
 
-    `blocks` holds those of `DelayLTI`, tau last; `edges` (k,) are the times at which the input takes the values `inputs`
-    (k, m); `rule` is the collocation rule (nodes, weights, K, to_series, longest panel times rate).
+    `blocks` holds those of `DelayLTI`, tau last; `edges` (k,) are the times at which the input takes the rows of
+    `inputs` (k, m); `rule` is the collocation rule (nodes, weights, K, to_series, longest panel times rate).
     """
     A, B1, B2, C1, C2, D11, D12, D21, D22, tau = blocks
     nodes, weights, K, to_series, reach = rule
