@@ -172,7 +172,8 @@ def _beats_sentence(beats: Wingbeats, paddled: Paddling) -> str:
     return (
         f"{beats.count} wingbeats at {f.min():.0f}-{f.max():.0f} Hz (mean {beats.mean_frequency:.1f} Hz); wings sweep "
         f"at {paddled.mean_wing_speed:.0f} rad/s on average; attack angle {attack[0]:.0f} deg forward, "
-        f"{attack[1]:.0f} deg backward; d_alpha from {paddled.d_alpha.min() / deg:.1f} to {paddled.d_alpha.max() / deg:.1f} deg."
+        f"{attack[1]:.0f} deg backward; "
+        f"d_alpha from {paddled.d_alpha.min() / deg:.1f} to {paddled.d_alpha.max() / deg:.1f} deg."
     )
 
 
@@ -208,15 +209,18 @@ def _limits(turning: TurnIdentification, torque: TorqueBalance | None) -> list[s
     plant, coupled = turning.plant, turning.plant_with_coupling
     if plant is not None and coupled is not None:
         share = float(np.var(turning.coupling) / np.var(plant.acceleration))
+        best = coupled.r2_acceleration_best
+        gain = f"at most {best:.0%} is explained" if best > 0 else "nothing is explained better than by the mean"
         sentences.append(
             f"Rolling and yawing are coupled by the product of inertia: the coupling has {share:.1f} times the "
-            f"variance of the yaw acceleration. With it, at most {coupled.r2_acceleration_best:.0%} is explained, with beta/I = "
-            f"{_interval(coupled.damping, 0)} 1/s and gamma/I = {_interval(coupled.paddling, -2)} 1/s^2 per rad."
+            f"variance of the yaw acceleration. With it taken from the measured roll, {gain}, "
+            f"beta/I = {_interval(coupled.damping, 0)} 1/s and "
+            f"gamma/I = {_interval(coupled.paddling, -2)} 1/s^2 per rad."
         )
     sentences.append(
         f"d_alpha scatters by {turning.d_alpha_noise / deg:.1f} deg from wingbeat to wingbeat; if that is tracking "
-        f"noise, {turning.d_alpha_reliability:.0%} of its variance is signal, which scales gamma down by that factor, and one wingbeat alone holds "
-        f"{turning.d_alpha_largest_share:.0%} of it."
+        f"noise, {turning.d_alpha_reliability:.0%} of its variance is signal, which scales gamma down by that "
+        f"factor, and one wingbeat alone holds {turning.d_alpha_largest_share:.0%} of it."
     )
     if torque is not None:
         roll, pitch, yaw = torque.correlation

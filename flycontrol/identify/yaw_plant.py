@@ -54,8 +54,8 @@ class YawHistory:
 
     @property
     def acceleration(self) -> FloatArray:
-        """(n,) mean of psi'' + u over each wingbeat [rad/s^2]."""
-        return np.diff(self.yaw_rate) / self.durations + self.coupling
+        """(n,) mean of psi'' over each wingbeat [rad/s^2]."""
+        return np.diff(self.yaw_rate) / self.durations
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,12 +82,12 @@ class YawPlantFit:
     offset: Estimate  #: c [rad/s^2]
     intercept: float  #: c that makes the modelled acceleration's mean the measured one, for the curves below [rad/s^2]
     noise_correlation: Estimate  #: rho from one wingbeat to the next [1]
-    acceleration: FloatArray  #: (n,) measured mean yaw acceleration, coupling included [rad/s^2]
-    modelled_acceleration: FloatArray  #: (n,) -b psi' + g d_alpha + c at the estimates [rad/s^2]
+    acceleration: FloatArray  #: (n,) measured, mean over each wingbeat [rad/s^2]
+    modelled_acceleration: FloatArray  #: (n,) -b psi' + g d_alpha + c - u at the estimates [rad/s^2]
     yaw_rate: FloatArray  #: (n + 1,) measured at the reversals [rad/s]
     simulated_yaw_rate: FloatArray  #: (n + 1,) from the first rate by d_alpha alone [rad/s]
     r2_acceleration: float  #: share of the acceleration's variance explained at the estimates
-    r2_acceleration_best: float  #: the most that any b, g, c could explain (least squares)
+    r2_acceleration_best: float  #: the most that any b, g and c could explain
     r2_simulated: float  #: share of the yaw rate's variance that the simulation explains
 
 
@@ -258,14 +258,22 @@ def _driven(history: YawHistory, b: float, drive: FloatArray) -> FloatArray:
 
 
 def _modelled_acceleration(history: YawHistory, b: float, g: float, c: float) -> FloatArray:
-    """Mean of -b psi' + g d_alpha + c over each wingbeat, psi' taken at its measured ends."""
+    """Mean of psi'' = -b psi' + g d_alpha + c - u over each wingbeat, from the measured rate at its start."""
     drive = g * history.d_alpha + c - history.coupling
     decay = np.exp(-b * history.durations)
     end = decay * history.yaw_rate[:-1] + (1.0 - decay) / b * drive
-    return (end - history.yaw_rate[:-1]) / history.durations + history.coupling
+    return (end - history.yaw_rate[:-1]) / history.durations
 
 
 def _best_r2(history: YawHistory) -> float:
-    X = np.column_stack([history.yaw_rate[:-1], history.d_alpha, np.ones_like(history.d_alpha)])
-    coefficient = np.linalg.lstsq(X, history.acceleration, rcond=None)[0]
-    return explained(history.acceleration, X @ coefficient)
+    """Return the largest R^2 of the modelled acceleration: least squares for g and c at every b of the grid."""
+    b = -np.log(np.linspace(*PERSISTENCE, 400)) / float(history.durations.mean())
+    regressors = np.column_stack([history.d_alpha, np.ones_like(history.d_alpha)])
+    best = -np.inf
+    for each in b[np.abs(b) > 1e-6]:
+        fixed = _modelled_acceleration(history, float(each), 0.0, 0.0)
+        per_unit = (1.0 - np.exp(-each * history.durations)) / (each * history.durations)
+        X = regressors * per_unit[:, None]
+        coefficient = np.linalg.lstsq(X, history.acceleration - fixed, rcond=None)[0]
+        best = max(best, explained(history.acceleration, fixed + X @ coefficient))
+    return best
