@@ -1,1 +1,1 @@
-"""Figures and pages: they compose and draw what other layers computed."""
+"""The stability report: what a study found, said in words, drawn and written down; nothing is computed here."""

@@ -1,0 +1,205 @@
+"""The page's figures, each with a caption that states what it shows, with its number."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from flycontrol.model.study import StabilityStudy
+from flycontrol.report.chain import LoopChain
+from flycontrol.report.figures.bode import bode
+from flycontrol.report.figures.budget import budget, phase_budget
+from flycontrol.report.figures.damping import p_against_pd
+from flycontrol.report.figures.locus import LocusReading, crossing, root_loci
+from flycontrol.report.figures.nyquist import nyquist
+from flycontrol.report.figures.recovery import recoveries
+from flycontrol.report.figures.strength import recovery_against_strength
+from flycontrol.report.numbers import degrees, fixed, milliseconds
+from flycontrol.report.style import svg
+from flycontrol.report.verdict import own_row
+from flycontrol.units import deg, ms
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PageFigure:
+    """A drawing and its words."""
+
+    name: str  #: unique within the page
+    title: str  #: says what is drawn; read aloud in place of the drawing
+    caption: str  #: states what it shows
+    drawing: str  #: inline SVG
+
+
+def page_figures(study: StabilityStudy, chain: LoopChain, wingbeat_frequency: float) -> dict[str, PageFigure]:
+    """Draw every figure that the study has parts for, by name."""
+    drawn = [
+        _bode(study),
+        _nyquist(study),
+        _budget(study, chain),
+        _gain_locus(study),
+        _delay_locus(study),
+        _recoveries(study, wingbeat_frequency),
+        _strength(study, wingbeat_frequency),
+        _damping(study),
+    ]
+    return {figure.name: figure for figure in drawn if figure is not None}
+
+
+def _page_figure(name: str, figure: Figure, title: str, caption: str) -> PageFigure:
+    return PageFigure(name=name, title=title, caption=caption, drawing=svg(figure, name, title))
+
+
+def _bode(study: StabilityStudy) -> PageFigure:
+    margins, shape = study.result.margins, study.shape
+    agreement = (
+        f"The Padé approximation of order {shape.pade_order} has the exact magnitude; its phase is off by 1° from "
+        f"{fixed(_parts_at(study, 1 * deg), 0, 'rad/s')} on."
+    )
+    if margins is None:
+        finding = "The closed loop is unstable, so no margins are marked. "
+    else:
+        finding = (
+            f"The exact loop has a gain margin of {fixed(margins.gain_margin, 2)} and a phase margin of "
+            f"{degrees(margins.phase_margin)}. "
+        )
+    figure = bode(shape, margins, study.result.loop.delay)
+    return _page_figure("bode", figure, "Bode diagram of the open loop", finding + agreement)
+
+
+def _parts_at(study: StabilityStudy, angle: float) -> float:
+    """Lowest frequency [rad/s] at which the Pade loop's phase is off by `angle` [rad]; inf when nowhere."""
+    shape = study.shape
+    off = np.abs(np.angle(shape.pade / shape.exact.value)) > angle
+    return float(shape.exact.omega[np.argmax(off)]) if off.any() else np.inf
+
+
+def _nyquist(study: StabilityStudy) -> PageFigure:
+    margins = study.result.margins
+    figure = nyquist(study.shape, margins)
+    if margins is None:
+        caption = (
+            "The curve goes round −1: the closed loop is unstable. Towards ω = 0 both branches leave the picture and "
+            "close through a large half circle on the right, since the heading integrates the yaw rate."
+        )
+    else:
+        caption = (
+            f"The loop passes −1 on the safe side at a distance of {fixed(margins.modulus_margin, 3)}, nearest at "
+            f"{fixed(margins.modulus_frequency, 0, 'rad/s')}; exact and Padé curves cannot be told apart here. Towards "
+            "ω = 0 both branches leave the picture and close through a large half circle on the right."
+        )
+    return _page_figure("nyquist", figure, "Nyquist diagram of the open loop", caption)
+
+
+def _budget(study: StabilityStudy, chain: LoopChain) -> PageFigure | None:
+    margins = study.result.margins
+    if margins is None or not len(margins.gain_crossovers):
+        return None
+    omega = float(margins.gain_crossovers[-1])
+    steps = dict(budget(chain.chain, omega))
+    late, body = -steps.get("reaction delay", 0.0), -steps["body"]
+    caption = (
+        f"At the gain crossover, {fixed(omega, 1, 'rad/s')}, the reaction delay costs {fixed(late, 1)}° and the body "
+        f"{fixed(body, 1)}°; the halteres, sensing yaw rate, give 90° back, and "
+        f"{degrees(margins.phase_margin)} are left. Hinge and paddling turn no phase in this model."
+    )
+    figure = phase_budget(chain.chain, margins)
+    return _page_figure("budget", figure, "Phase of each element at the gain crossover", caption)
+
+
+def _gain_locus(study: StabilityStudy) -> PageFigure:
+    margins = study.result.margins
+    reading = LocusReading(
+        own=1.0, crossing=margins.gain_margin if margins is not None else None,
+        labels=(0.25, 0.5, 0.75, 1.5, 2.0, 3.0, 4.0), scale=1.0, unit="×",
+    )  # fmt: skip
+    where, value = crossing(study.gain_locus, 1.0)
+    bound = f"{fixed(reading.crossing if reading.crossing is not None else value, 2)} times the gains of this loop"
+    caption = _locus_caption("both gains together", bound, where, value, study)
+    return _page_figure("gain-locus", root_loci(study.gain_locus, reading), "Root locus in the gain", caption)
+
+
+_DELAYS_MS = (1, 2, 3, 5, 7, 10, 15, 20, 25, 30, 40, 50, 70, 100, 150, 200)  #: written beside the locus where seen
+
+
+def _delay_locus(study: StabilityStudy) -> PageFigure:
+    result = study.result
+    delay, margins = result.loop.delay, result.margins
+    reading = LocusReading(
+        own=delay, crossing=delay + margins.delay_margin if margins is not None else study.closed_form_largest_delay,
+        labels=tuple(ms * delay for delay in _DELAYS_MS), scale=1 / ms, unit=" ms",
+    )  # fmt: skip
+    where, value = crossing(study.delay_locus, delay)
+    bound = f"a delay of {milliseconds(reading.crossing if reading.crossing is not None else value)}"
+    caption = _locus_caption("the reaction delay alone", bound, where, value, study)
+    return _page_figure("delay-locus", root_loci(study.delay_locus, reading), "Root locus in the delay", caption)
+
+
+def _locus_caption(what: str, bound: str, where: float, value: float, study: StabilityStudy) -> str:
+    start = f"Exact closed-loop poles as {what} change{'s' if 'delay' in what else ''}, upper half plane. "
+    if not np.isfinite(value):
+        return start + "No pole crosses the imaginary axis in this range."
+    turns = where / (2 * np.pi)
+    side = "is reached" if study.result.stable else "lies"
+    return (
+        start + f"The boundary of stability {side} at {bound}, where the loop oscillates at {fixed(turns, 1, 'Hz')}. "
+        "Right: the train of poles that the delay brings."
+    )
+
+
+def _recoveries(study: StabilityStudy, wingbeat_frequency: float) -> PageFigure | None:
+    found, result = study.recoveries, study.result
+    if found is None:
+        return None
+    wrong = float(np.abs(found.yaw_pade - found.yaw).max())
+    least = float((found.torque * result.loop.plant.inertia).min()) / 1e-9
+    caption = (
+        f"Pulses of one duration and several strengths, by peak deflection. The fly answers one delay, "
+        f"{milliseconds(result.loop.delay)}, after the pulse begins, with up to {fixed(-least, 2, 'nN m')} against the "
+        f"{fixed(found.peaks[-1] / deg, 0)}° deflection. The Padé approximation of order {found.pade_order} errs by up "
+        f"to {fixed(wrong / deg, 2)}° (lowest panel, Padé less exact). Shaded: pulse, and band of "
+        f"±{fixed(result.task.tolerance / deg, 0)}°."
+    )
+    figure = recoveries(found, result, wingbeat_frequency)
+    return _page_figure("recoveries", figure, "Yaw recovery from pulses of several strengths", caption)
+
+
+def _strength(study: StabilityStudy, wingbeat_frequency: float) -> PageFigure | None:
+    curve = study.curve
+    if curve is None:
+        return None
+    early, late = (slope(study, *ends) for ends in ((3 * deg, 6 * deg), (20 * deg, 40 * deg)))
+    jumps = ", ".join(degrees(float(jump)) for jump in curve.jumps)
+    caption = (
+        f"A sharp rise, then a plateau: on average {fixed(early, 2)} ms a degree from 3° to 6° and {fixed(late, 2)} ms "
+        f"a degree from 20° to 40°. "
+    )
+    caption += (
+        f"At {jumps} a later swing leaves the band and the recovery time jumps: the curve is broken there, full and "
+        "open circles are the values before and after."
+        if jumps
+        else f"No later swing leaves the band up to {fixed(curve.peaks[-1] / deg, 0)}°: no jumps."
+    )
+    figure = recovery_against_strength(curve, study.result, wingbeat_frequency, study.deadline)
+    return _page_figure("strength", figure, "Recovery time against perturbation strength", caption)
+
+
+def slope(study: StabilityStudy, low: float, high: float) -> float:
+    """Mean slope of recovery time between two peak deflections [rad], in ms/deg."""
+    assert study.curve is not None
+    first, last = np.interp([low, high], study.curve.peaks, study.curve.times)
+    return float((last - first) / ms / ((high - low) / deg))
+
+
+def _damping(study: StabilityStudy) -> PageFigure:
+    row = own_row(study)
+    need = study.proportional_suffices_from
+    at_own = "" if row is None else (
+        f"At this fly's damping the best P needs {milliseconds(row.proportional.recovery_time)} and the best PD with "
+        f"modulus margin of at least 0.5 {milliseconds(row.derivative.recovery_time)}. "
+    )  # fmt: skip
+    enough = "" if need is None else f"P alone meets {milliseconds(study.deadline, 0)} from β/I = {need:.0f} 1/s on."
+    own = study.result.loop.plant.damping_rate
+    figure = p_against_pd(study.damping_table, study.deadline, need, own)
+    return _page_figure("damping", figure, "Best P against best PD over the yaw damping", at_own + enough)
