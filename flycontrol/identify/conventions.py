@@ -108,44 +108,51 @@ def establish_conventions(
     """
     beats = beats or segment_wingbeats(recording)
     turned = attitude(recording, morphology)
-    left, right = both_wings(recording)
-
-    def predict(left_wing: WingAngles, right_wing: WingAngles) -> _Predicted:
-        return _predicted(recording, morphology, (left_wing, right_wing), (beats, turned), model)
-
-    mapped = predict(left, right)
-    reversed_pitch = predict(_pitch_reversed(left), _pitch_reversed(right))
-    mirrored = predict(_fore_aft(left), _fore_aft(right))
-    swapped = predict(right, left)
-    flipped = predict(_deviation_reversed(left), _deviation_reversed(right))
-    acceleration = wingbeat_mean(
-        derivative(body_motion(recording, morphology).angular_velocity, recording.rate), recording.time, beats
-    )
-    needed = 1.0 + _vertical_acceleration(recording, beats) / GRAVITY
-    tests = {
-        "wing_pitch": _weight_test(mapped, reversed_pitch, needed),
-        "stroke_sense": _torque_test(
-            ("Stroke positive forward", "with forward and backward exchanged", 1), mapped, mirrored, acceleration
-        ),
-        "left_right": _torque_test(
-            ("Left and right wing", "with the wings exchanged", 0), mapped, swapped, acceleration
-        ),
-        "deviation": _torque_test(
-            ("Deviation positive above the stroke plane", "with its sign turned", 1), mapped, flipped, acceleration
-        ),
+    readings = {
+        name: _predicted(recording, morphology, wings, (beats, turned), model)
+        for name, wings in _readings(recording).items()
     }
+    rates = body_motion(recording, morphology).angular_velocity
+    acceleration = wingbeat_mean(derivative(rates, recording.rate), recording.time, beats)
+    needed = 1.0 + _vertical_acceleration(recording, beats) / GRAVITY
+    tests = _tests(readings, acceleration, needed)
     return ConventionEvidence(
         **tests,
         frame=_frame_check(recording, morphology, turned),
         time=beats.middles,
-        vertical_force=mapped.vertical,
-        vertical_force_reversed=reversed_pitch.vertical,
+        vertical_force=readings["mapped"].vertical,
+        vertical_force_reversed=readings["pitch reversed"].vertical,
         vertical_force_needed=needed,
-        roll_torque=mapped.torque[:, 0],
-        roll_torque_swapped=swapped.torque[:, 0],
+        roll_torque=readings["mapped"].torque[:, 0],
+        roll_torque_swapped=readings["swapped"].torque[:, 0],
         roll_acceleration=acceleration[:, 0],
         undetermined=_undetermined(tuple(tests.values())),
     )
+
+
+def _readings(recording: Recording) -> dict[str, tuple[WingAngles, WingAngles]]:
+    """Left and right wing as mapped, and with one convention turned round each."""
+    left, right = both_wings(recording)
+    return {
+        "mapped": (left, right),
+        "pitch reversed": (_pitch_reversed(left), _pitch_reversed(right)),
+        "mirrored": (_fore_aft(left), _fore_aft(right)),
+        "swapped": (right, left),
+        "deviation reversed": (_deviation_reversed(left), _deviation_reversed(right)),
+    }
+
+
+def _tests(readings: dict[str, _Predicted], acceleration: FloatArray, needed: FloatArray) -> dict[str, SignTest]:
+    mapped = readings["mapped"]
+    sense = ("Stroke positive forward", "with forward and backward exchanged", 1)
+    sides = ("Left and right wing", "with the wings exchanged", 0)
+    above = ("Deviation positive above the stroke plane", "with its sign turned", 1)
+    return {
+        "wing_pitch": _weight_test(mapped, readings["pitch reversed"], needed),
+        "stroke_sense": _torque_test(sense, mapped, readings["mirrored"], acceleration),
+        "left_right": _torque_test(sides, mapped, readings["swapped"], acceleration),
+        "deviation": _torque_test(above, mapped, readings["deviation reversed"], acceleration),
+    }
 
 
 def _predicted(

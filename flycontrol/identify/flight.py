@@ -189,7 +189,7 @@ def _plant_sentences(turning: TurnIdentification, blades: YawCoefficients | None
     plant = turning.plant
     sentences.append(
         f"beta/I = {_interval(plant.damping, 0)} 1/s and gamma/I = {_interval(plant.paddling, -2)} 1/s^2 per rad "
-        f"(95 %), gamma/beta = {_interval(plant.turn_gain, 0)} 1/s; the residuals' correlation from one wingbeat to "
+        f"(95 %), {_gain(plant.turn_gain)}; the residuals' correlation from one wingbeat to "
         f"the next is {_interval(plant.noise_correlation, 2)}."
     )
     if blades is not None:
@@ -235,6 +235,12 @@ def _interval(estimate: Estimate, digits: int) -> str:
     value, low, high = (round(v, digits) for v in (estimate.value, estimate.low, estimate.high))
     places = max(digits, 0)
     return f"{value:.{places}f} [{low:.{places}f}, {high:.{places}f}]"
+
+
+def _gain(turn_gain: Estimate | None) -> str:
+    if turn_gain is None:
+        return "gamma/beta has no bounded interval, since beta may be zero"
+    return f"gamma/beta = {_interval(turn_gain, 0)} 1/s"
 
 
 def _inside(value: float, estimate: Estimate) -> str:

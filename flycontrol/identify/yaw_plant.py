@@ -31,6 +31,7 @@ FloatArray = NDArray[np.float64]
 FEWEST_WINGBEATS = 8  #: five unknowns and something to judge them by
 PERSISTENCE = (0.01, 1.6)  #: a = e^{-b T}: from gone within a wingbeat to growing by 1.6
 NOISE_CORRELATION = (-0.95, 0.99)  #: rho
+FINE = (120, 40)  #: cells of the fine grid over a and rho; twice as many move no interval by 1 % of its width
 LEVELS = (0.025, 0.5, 0.975)
 
 
@@ -78,7 +79,7 @@ class YawPlantFit:
 
     damping: Estimate  #: b = beta / I [1/s]
     paddling: Estimate  #: g = gamma / I [1/s^2 per rad]
-    turn_gain: Estimate  #: gamma / beta [1/s]
+    turn_gain: Estimate | None  #: gamma / beta [1/s]; None where beta may be zero, since no interval bounds it then
     offset: Estimate  #: c [rad/s^2]
     intercept: float  #: c that makes the modelled acceleration's mean the measured one, for the curves below [rad/s^2]
     noise_correlation: Estimate  #: rho from one wingbeat to the next [1]
@@ -97,7 +98,6 @@ def fit_yaw_plant(history: YawHistory) -> YawPlantFit:
     damping = posterior.of_damping()
     paddling = posterior.of_linear(lambda p: (p.mean[..., 0], p.sd[..., 0]))
     offset = posterior.of_linear(lambda p: (p.mean[..., 1], p.sd[..., 1]))
-    gain = posterior.of_linear(lambda p: (p.mean[..., 0] / p.b[:, None], p.sd[..., 0] / np.abs(p.b)[:, None]))
     slope = _modelled_acceleration(history, damping.value, paddling.value, 0.0)
     per_offset = _modelled_acceleration(history, damping.value, paddling.value, 1.0) - slope
     intercept = float(np.mean(history.acceleration - slope) / np.mean(per_offset))
@@ -107,7 +107,7 @@ def fit_yaw_plant(history: YawHistory) -> YawPlantFit:
     return YawPlantFit(
         damping=damping,
         paddling=paddling,
-        turn_gain=gain,
+        turn_gain=posterior.of_turn_gain() if damping.excludes_zero else None,
         offset=offset,
         intercept=intercept,
         noise_correlation=posterior.of_correlation(),
@@ -123,7 +123,7 @@ def fit_yaw_plant(history: YawHistory) -> YawPlantFit:
 
 def quick_estimate(history: YawHistory) -> tuple[float, float]:
     """b and g from the coarse grid alone, for resampling: median of b [1/s], mean of g [1/s^2 per rad]."""
-    posterior = _on_grid(history, np.linspace(*PERSISTENCE, 80), np.linspace(*NOISE_CORRELATION, 25))
+    posterior = _on_grid(history, np.linspace(*PERSISTENCE, 81), np.linspace(*NOISE_CORRELATION, 26))
     return posterior.of_damping().value, float(np.sum(posterior.weight * posterior.mean[..., 0]))
 
 
@@ -148,73 +148,80 @@ def explained(measured: FloatArray, modelled: FloatArray) -> float:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Posterior:
-    """Weights over a grid (b, rho), and location and scale of the t distributions of g and c at each point."""
+    """Weights of the cells of a grid (b, rho), and location and scale of the t distributions of g and c in each."""
 
-    b: FloatArray  # (i,)
-    rho: FloatArray  # (j,)
+    b: FloatArray  # (i,), at the cells' middles
+    b_edges: FloatArray  # (i + 1,), falling
+    rho_edges: FloatArray  # (j + 1,)
     weight: FloatArray  # (i, j), sums to 1
     mean: FloatArray  # (i, j, 2)
     sd: FloatArray  # (i, j, 2)
     freedom: int
 
     def of_damping(self) -> Estimate:
-        order = np.argsort(self.b)
-        return _grid_quantiles(self.b[order], self.weight.sum(axis=1)[order])
+        return _cell_quantiles(self.b_edges[::-1], self.weight.sum(axis=1)[::-1])
 
     def of_correlation(self) -> Estimate:
-        return _grid_quantiles(self.rho, self.weight.sum(axis=0))
+        return _cell_quantiles(self.rho_edges, self.weight.sum(axis=0))
+
+    def of_turn_gain(self) -> Estimate:
+        return self.of_linear(lambda p: (p.mean[..., 0] / p.b[:, None], p.sd[..., 0] / np.abs(p.b)[:, None]))
 
     def of_linear(self, location_and_scale: Callable[[_Posterior], tuple[FloatArray, FloatArray]]) -> Estimate:
-        """Quantiles of a mixture of t distributions; grid points of weight below 1e-6 of the largest are left out."""
-        keep = self.weight > 1e-6 * self.weight.max()
+        """Quantiles of a mixture of t distributions; grid points of weight below 1e-5 of the largest are left out."""
+        keep = self.weight > 1e-5 * self.weight.max()
         location, scale = (v[keep] for v in location_and_scale(self))
         weight = self.weight[keep] / self.weight[keep].sum()
 
         def beyond(x: float, level: float) -> float:
             return float(np.sum(weight * stdtr(self.freedom, (x - location) / scale))) - level
 
-        wide = (float(np.min(location - 1e3 * scale)), float(np.max(location + 1e3 * scale)))
-        roots = [brentq(beyond, *wide, args=(level,), xtol=1e-9 * np.ptp(wide)) for level in LEVELS]
+        wide = (float(np.min(location - 40 * scale)), float(np.max(location + 40 * scale)))  # beyond t of 5 at 1e-6
+        roots = [brentq(beyond, *wide, args=(level,), xtol=1e-6 * float(np.min(scale))) for level in LEVELS]
         low, middle, high = np.array(roots, dtype=np.float64)
         return Estimate(value=float(middle), low=float(low), high=float(high))
 
 
 def _posterior(history: YawHistory) -> _Posterior:
-    """Coarse grid over (a, rho), then a fine one where the weight is."""
-    a = np.linspace(*PERSISTENCE, 160)
-    rho = np.linspace(*NOISE_CORRELATION, 49)
+    """Coarse cells over (a, rho), then fine ones where the weight is."""
+    a = np.linspace(*PERSISTENCE, 161)
+    rho = np.linspace(*NOISE_CORRELATION, 51)
     coarse = _on_grid(history, a, rho)
-    return _on_grid(history, _zoomed(a, coarse.weight.sum(axis=1), 121), _zoomed(rho, coarse.weight.sum(axis=0), 41))
+    return _on_grid(
+        history, _zoomed(a, coarse.weight.sum(axis=1), FINE[0]), _zoomed(rho, coarse.weight.sum(axis=0), FINE[1])
+    )
 
 
-def _prior_mass(a: FloatArray) -> FloatArray:
-    """Prior of each grid cell: the step in -sqrt(1 - a^2) below 1 and in arccosh a above, between the midpoints."""
-    half = (a[1] - a[0]) / 2
-    edges = np.append(a - half, a[-1] + half)
-    below = -np.sqrt(1.0 - np.clip(edges, 0.0, 1.0) ** 2)
+def _prior_mass(edges: FloatArray) -> FloatArray:
+    """Prior of each cell: the step in -sqrt(1 - a^2) below 1 and in arccosh a above, between the cell's edges."""
+    below = -np.sqrt(1.0 - np.minimum(edges, 1.0) ** 2)
     above = np.arccosh(np.maximum(edges, 1.0))
     return np.diff(below + above)
 
 
-def _zoomed(grid: FloatArray, weight: FloatArray, points: int) -> FloatArray:
+def _zoomed(edges: FloatArray, weight: FloatArray, cells: int) -> FloatArray:
+    """Edges of finer cells over those whose weight is above a millionth of the largest."""
     inside = np.flatnonzero(weight > 1e-6 * weight.max())
-    return np.linspace(grid[max(inside[0] - 1, 0)], grid[min(inside[-1] + 1, len(grid) - 1)], points)
+    return np.linspace(edges[inside[0]], edges[inside[-1] + 1], cells + 1)
 
 
-def _on_grid(history: YawHistory, a: FloatArray, rho: FloatArray) -> _Posterior:
-    b = -np.log(a) / float(history.durations.mean())
+def _on_grid(history: YawHistory, a_edges: FloatArray, rho_edges: FloatArray) -> _Posterior:
+    period = float(history.durations.mean())
+    a, rho = 0.5 * (a_edges[1:] + a_edges[:-1]), 0.5 * (rho_edges[1:] + rho_edges[:-1])
+    b = -np.log(a) / period
     b = np.where(np.abs(b) < 1e-6, 1e-6, b)  # the limit, where (1 - e^{-bT}) / b = T
     decay = np.exp(-b[:, None] * history.durations)
     gain = (1.0 - decay) / b[:, None]
     driving = (history.yaw_rate[1:] - decay * history.yaw_rate[:-1]) / gain + history.coupling
     regressors = np.column_stack([history.d_alpha, np.ones_like(history.d_alpha)])
-    jacobian = np.log(_prior_mass(a)) - np.sum(np.log(gain[:, 1:]), axis=1)
+    jacobian = np.log(_prior_mass(a_edges)) - np.sum(np.log(gain[:, 1:]), axis=1)
     columns = [_whitened_fit(driving, regressors, float(r)) for r in rho]
     log_weight = np.stack([c[0] for c in columns], axis=1) + jacobian[:, None]
     weight = np.exp(log_weight - log_weight.max())
     return _Posterior(
         b=b,
-        rho=rho,
+        b_edges=-np.log(a_edges) / period,
+        rho_edges=rho_edges,
         weight=weight / weight.sum(),
         mean=np.stack([c[1] for c in columns], axis=1),
         sd=np.stack([c[2] for c in columns], axis=1),
@@ -236,10 +243,10 @@ def _whitened_fit(driving: FloatArray, regressors: FloatArray, rho: float) -> tu
     return log_weight, coefficient, sd
 
 
-def _grid_quantiles(grid: FloatArray, weight: FloatArray) -> Estimate:
-    """Quantiles of a density given at grid points, by the trapezoidal rule."""
-    mass = np.concatenate([[0.0], np.cumsum(0.5 * (weight[1:] + weight[:-1]))])
-    low, middle, high = np.interp(np.array(LEVELS) * mass[-1], mass, grid)
+def _cell_quantiles(edges: FloatArray, weight: FloatArray) -> Estimate:
+    """Quantiles of a density that is flat within each cell, edges rising."""
+    mass = np.concatenate([[0.0], np.cumsum(weight)])
+    low, middle, high = np.interp(np.array(LEVELS) * mass[-1], mass, edges)
     return Estimate(value=float(middle), low=float(low), high=float(high))
 
 
@@ -267,7 +274,7 @@ def _modelled_acceleration(history: YawHistory, b: float, g: float, c: float) ->
 
 def _best_r2(history: YawHistory) -> float:
     """Return the largest R^2 of the modelled acceleration: least squares for g and c at every b of the grid."""
-    b = -np.log(np.linspace(*PERSISTENCE, 400)) / float(history.durations.mean())
+    b = -np.log(np.linspace(*PERSISTENCE, 160)) / float(history.durations.mean())
     regressors = np.column_stack([history.d_alpha, np.ones_like(history.d_alpha)])
     best = -np.inf
     for each in b[np.abs(b) > 1e-6]:

@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from flycontrol.errors import InvalidInputError
+from flycontrol.identify import yaw_plant
 from flycontrol.identify.bootstrap import block_bootstrap
 from flycontrol.identify.yaw_plant import YawHistory, explained, fit_yaw_plant
 
@@ -34,6 +35,7 @@ def test_without_noise_the_plant_comes_back():
     fit = fit_yaw_plant(flight(1, noise=1.0))
     assert fit.damping.value == pytest.approx(B, rel=2e-3)
     assert fit.paddling.value == pytest.approx(G, rel=2e-3)
+    assert fit.turn_gain is not None
     assert fit.turn_gain.value == pytest.approx(G / B, rel=2e-3)
     assert fit.intercept == pytest.approx(C, abs=2.0)
     assert fit.r2_acceleration > 0.9999
@@ -87,6 +89,25 @@ def test_scaling_yaw_scales_paddling_and_leaves_damping(factor):
     one, other = fit_yaw_plant(history), fit_yaw_plant(replace(history, yaw_rate=factor * history.yaw_rate))
     assert other.damping.value == pytest.approx(one.damping.value, rel=1e-6)
     assert other.paddling.value == pytest.approx(factor * one.paddling.value, rel=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_finer_grid_moves_no_interval_by_more_than_one_percent_of_its_width(seed, monkeypatch):
+    history = flight(seed, n=30, noise=600.0)
+    here = fit_yaw_plant(history)
+    monkeypatch.setattr(yaw_plant, "FINE", (240, 80))
+    finer = fit_yaw_plant(history)
+    for one, other in ((here.damping, finer.damping), (here.paddling, finer.paddling)):
+        width = other.high - other.low
+        assert abs(one.low - other.low) < 0.01 * width
+        assert abs(one.high - other.high) < 0.01 * width
+        assert abs(one.value - other.value) < 0.01 * width
+
+
+def test_where_damping_may_be_zero_the_turn_gain_has_no_interval():
+    fit = fit_yaw_plant(flight(1, n=20, noise=3000.0, rho=0.95))
+    assert fit.damping.low < 0
+    assert fit.turn_gain is None
 
 
 def test_turning_d_alphas_sign_turns_the_paddlings_sign():
