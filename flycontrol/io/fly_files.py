@@ -77,7 +77,7 @@ class FlyFile(Table):
     controller: _Controller
     pulse: _Pulse
     damping_range: _DampingRange
-    morphology: _Morphology | None = None
+    morphology: _Morphology
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,6 +110,9 @@ def read_fly_file(path: Path | str | None) -> LayeredFile:
             raise InvalidInputError(f"{toml.where(section)}: {section} is {given!r}; a table [{section}] is needed.")
         merged[section] = default[section] | given
         defaulted += [f"{section}.{key}" for key in default[section] if key not in given]
+    if "morphology" not in merged:  # one wing's numbers fit no other body, so the section is taken whole
+        merged["morphology"] = default["morphology"]
+        defaulted.append("morphology")
     return LayeredFile(toml, structured(FlyFile, merged, toml), tuple(defaulted))
 
 

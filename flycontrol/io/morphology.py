@@ -13,7 +13,7 @@ _THREE = ("right_hinge", "stroke_plane_inertia_over_mgr_per_f2")
 
 
 def read_morphology_table(path: Path | str | None = None) -> dict[str, float | tuple[float, ...]]:
-    """Read the [morphology] section of a fly file, in SI units.
+    """Read the [morphology] section of a fly file, in SI units; that of the default fly where the file has none.
 
     Parameters
     ----------
@@ -30,14 +30,10 @@ def read_morphology_table(path: Path | str | None = None) -> dict[str, float | t
     Raises
     ------
     InvalidInputError
-        If there is no such section, or a value in it cannot be meant.
+        If a value cannot be meant.
     """
     fly = read_fly_file(path)
     section = fly.tables.morphology
-    if section is None:
-        raise InvalidInputError(
-            f"{fly.user.file.name} has no [morphology] section; `flycontrol parameters` prints one."
-        )
     given = {name: getattr(section, name) for name in type(section).model_fields}
     return {
         name: _si_values(name, entry.value, fly.where(f"morphology.{name}"))

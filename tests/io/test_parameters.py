@@ -223,10 +223,10 @@ def test_morphology_is_read_in_si_units():
     assert table["right_hinge"] == pytest.approx((0.22e-3, 0.465e-3, -0.375e-3), rel=1e-15)
 
 
-def test_a_fly_without_morphology_is_refused_where_it_is_needed(fly):
+def test_a_fly_without_morphology_takes_the_default_flys_whole_and_says_so(fly):
     path = fly('[fly]\nname = "mine"')
-    with pytest.raises(InvalidInputError, match=r"has no \[morphology\] section"):
-        read_morphology_table(path)
+    assert read_morphology_table(path) == read_morphology_table()
+    assert "morphology" in read_parameters(path).defaulted
 
 
 @pytest.mark.parametrize(
