@@ -29,7 +29,7 @@ FIELDS: dict[str, str] = {
     "parameters.*.unit": "its unit",
     "parameters.*.text": "as the parameter file writes it",
     "parameters.*.source": "key of references.bib; empty for a user's own value",
-    "parameters.*.certainty": "S read in the source, S2 second hand, C calibrated by this package, user: the user's own",
+    "parameters.*.certainty": "S read in the source, S2 second hand, C calibrated by this package, user: given",
     "parameters.*.note": "what the source says",
     "loop.damping_per_s": "b = beta / I",
     "loop.proportional_gain_per_s2": "K_P / I, positive restores",

@@ -20,7 +20,7 @@ WIDTH = 7.0  #: of a figure [inch]
 INK = "#1a1a1a"
 EXACT = "#0b3954"  #: dark blue, solid: exact
 PADE = "#e08a00"  #: light orange, dashed: approximated
-MARK = "#b0202c"  #: red, middle lightness: margins, limits and where a boundary is crossed
+MARK = "#c8323c"  #: red, middle lightness: margins, limits and where a boundary is crossed
 QUIET = "#7d7d7d"  #: guide lines
 BAND = "#e6edf1"  #: tolerance band
 PULSE = "#f4dfc6"  #: while the pulse acts
@@ -106,7 +106,7 @@ def svg(figure: Figure, name: str, title: str) -> str:
     text = re.sub(r"<[^>]+>", lambda tag: re.sub(r"-?\d+\.\d{3,}", _rounded, tag[0]), text)
     _, _, body = text.partition(">")
     box = f"0 0 {figure.get_figwidth() * 72:g} {figure.get_figheight() * 72:g}"
-    return f'<svg viewBox="{box}" role="img" aria-label="{_attribute(title)}">{body.strip()}'
+    return f'<svg viewBox="{box}" preserveAspectRatio="xMinYMid" role="img" aria-label="{_attribute(title)}">{body.strip()}'
 
 
 def _with_prefix(text: str, name: str) -> str:

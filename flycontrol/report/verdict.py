@@ -127,7 +127,7 @@ def _mode_finding(name: str, mode: Mode) -> Finding:
         f"{fixed(mode.frequency, 1, 'Hz')}, damping ratio {fixed(mode.damping_ratio, 2)}" if mode.frequency else "real"
     )
     time = f"time constant {milliseconds(mode.time_constant)}" if mode.root.real < 0 else (
-        f"grows by e in {milliseconds(-mode.time_constant)}"
+        f"grows by a factor e in {milliseconds(-mode.time_constant)}"
     )  # fmt: skip
     return Finding(quantity=name, value=root(mode.root) + "\N{NO-BREAK SPACE}1/s", meaning=f"{time}, {turns}")
 
@@ -158,13 +158,13 @@ def proportional_sentence(study: StabilityStudy, parameters: Parameters) -> str:
     row = own_row(study)
     met = ""
     if row is not None:
-        met = f"{'meets' if row.proportional.recovery_time <= study.deadline else 'misses'} {deadline}; it "
+        met = f"{'meets' if row.proportional.recovery_time <= study.deadline else 'misses'} {deadline}; "
     if need is None:
-        return f"{met}just meets {deadline} at no damping that was searched"
+        return f"{met}no damping that was searched makes it just meet {deadline}"
     if need > high:
         where = f"above the published {low:.0f} to {high:.0f}"
     elif need < low:
         where = f"below the published {low:.0f} to {high:.0f}"
     else:
         where = f"inside the published {low:.0f} to {high:.0f}"
-    return f"{met}needs a yaw damping β/I of at least {need:.0f} 1/s for {deadline}, {where}"
+    return f"{met}to meet it takes a yaw damping β/I of at least {need:.0f} 1/s, {where}"

@@ -43,7 +43,7 @@ def nyquist(shape: LoopShape, margins: Margins | None) -> Figure:
     ax.plot([], [], color="#bdbdbd", linewidth=1.0, label="exact, ω < 0")
     _arrow(ax, exact)
     ax.plot(-1, 0, marker="+", color=INK, markersize=10, markeredgewidth=1.6)
-    ax.annotate("−1", (-1, 0), xytext=(-6, 6), textcoords="offset points", ha="right", weight="bold")
+    ax.annotate("−1", (-1, 0), xytext=(5, 5), textcoords="offset points", ha="left", weight="bold")
     if margins is not None:
         _mark_margins(ax, margins)
     ax.set_aspect("equal")
