@@ -72,11 +72,11 @@ def fastest_decay(b: float, delay: float) -> tuple[float, float, float]:
 def fastest_proportional(b: float, delay: float, task: PulseTask) -> ChosenGains:
     """P alone on the yaw angle (kd = 0) with the shortest recovery in the task."""
     scale = 1.0 / delay
-    kp = np.geomspace(0.02, 1.0, 400) * (b * scale + scale**2)
+    kp = np.geomspace(0.02, 1.0, 160) * (b * scale + scale**2)
     for _ in range(4):
         times = _recovery_sweep(b, kp, np.zeros_like(kp), delay, task)
         k = int(np.argmin(times))
-        kp = np.linspace(kp[max(k - 2, 0)], kp[min(k + 2, len(kp) - 1)], 200)
+        kp = np.linspace(kp[max(k - 2, 0)], kp[min(k + 2, len(kp) - 1)], 60)
     times = _recovery_sweep(b, kp, np.zeros_like(kp), delay, task)
     return _chosen("fastest P", b, delay, task, float(kp[np.argmin(times)]), 0.0)
 
@@ -123,7 +123,7 @@ def _shrinking_grid(
     high = np.array([0.7 * (b * scale + scale**2), b + 2.0 * scale])
     best = (low + high) / 2
     half = (high - low) / 2
-    size = 48
+    size = 40
     for _ in range(_ROUNDS):
         kp = np.linspace(max(best[0] - half[0], 1e-3 * low[0]), best[0] + half[0], size)
         kd = np.linspace(best[1] - half[1], best[1] + half[1], size)
@@ -131,7 +131,7 @@ def _shrinking_grid(
         k = int(np.argmin(cost(grid_kp, grid_kd)))
         best = np.array([grid_kp[k], grid_kd[k]])
         half = half * _SHRINK
-        size = 15
+        size = 13
     return float(best[0]), float(best[1])
 
 

@@ -182,4 +182,4 @@ def _proportional_suffices_from(
     low, high = 0.25 * min(dampings), 4.0 * max(dampings)
     if not excess(low) > 0 > excess(high):
         return None
-    return bracketed_root(excess, low, high, tolerance=0.05)
+    return bracketed_root(excess, low, high, tolerance=0.2)
