@@ -176,10 +176,12 @@ class _Posterior:
         def beyond(x: float, level: float) -> float:
             return float(np.sum(weight * stdtr(self.freedom, (x - location) / scale))) - level
 
-        wide = (float(np.min(location - 40 * scale)), float(np.max(location + 40 * scale)))  # beyond t of 5 at 1e-6
-        roots = [brentq(beyond, *wide, args=(level,), xtol=1e-6 * float(np.min(scale))) for level in LEVELS]
-        low, middle, high = np.array(roots, dtype=np.float64)
-        return Estimate(value=float(middle), low=float(low), high=float(high))
+        middle = float(np.sum(weight * location))
+        spread = float(np.sqrt(np.sum(weight * (scale**2 + (location - middle) ** 2))))
+        wide = (middle - 30 * spread, middle + 30 * spread)  # Chebyshev: at most 1/900 lies beyond
+        roots = [brentq(beyond, *wide, args=(level,), xtol=1e-5 * spread) for level in LEVELS]
+        low, median, high = np.array(roots, dtype=np.float64)
+        return Estimate(value=float(median), low=float(low), high=float(high))
 
 
 def _posterior(history: YawHistory) -> _Posterior:
