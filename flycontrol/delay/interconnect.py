@@ -2,30 +2,42 @@
 
 from __future__ import annotations
 
+from functools import reduce
+from typing import TYPE_CHECKING
+
 import numpy as np
 import scipy.linalg
+from numpy.typing import ArrayLike
 
-from flycontrol.delay.system import DelayLTI, FloatArray
-from flycontrol.errors import AlgebraicLoopError, InvalidParameterError
+from flycontrol.delay.algebraic_loop import closed_directly
+from flycontrol.delay.convert import as_delay_lti, static_gain
+from flycontrol.delay.redundancy import merge_delays
+from flycontrol.delay.system import DelayLTI, FloatArray, delay_lti
+from flycontrol.errors import InvalidParameterError
+
+if TYPE_CHECKING:
+    from flycontrol.delay.convert import Operand
 
 
-def append(*systems: DelayLTI) -> DelayLTI:
+def append(*systems: Operand) -> DelayLTI:
     """Stack systems side by side: inputs, outputs, states and delay channels of all, none of them connected."""
+    parts = [as_delay_lti(system) for system in systems]
 
     def stacked(name: str) -> FloatArray:
         # block_diag keeps the rows of a block without columns, which empty delay blocks rely on
-        return np.asarray(scipy.linalg.block_diag(*[getattr(system, name) for system in systems]), dtype=np.float64)
+        blocks = [getattr(part, name) for part in parts]
+        return np.asarray(scipy.linalg.block_diag(np.zeros((0, 0)), *blocks), dtype=np.float64)
 
     return DelayLTI(
-        stacked("A"), stacked("B1"), stacked("B2"), stacked("C1"), stacked("C2"),
-        stacked("D11"), stacked("D12"), stacked("D21"), stacked("D22"), np.concatenate([s.tau for s in systems]),
+        stacked("A"), stacked("B1"), stacked("B2"), stacked("C1"), stacked("C2"), stacked("D11"), stacked("D12"),
+        stacked("D21"), stacked("D22"), np.concatenate([np.zeros(0), *[part.tau for part in parts]]),
     )  # fmt: skip
 
 
 def connect(
     system: DelayLTI, feedback_matrix: FloatArray, input_matrix: FloatArray, output_matrix: FloatArray
 ) -> DelayLTI:
-    """Close u = F y + G v around a system and read H y.
+    """Close u = F y + G v around a system and read H y; delay channels that become redundant are merged.
 
     Parameters
     ----------
@@ -34,49 +46,79 @@ def connect(
 
     Raises
     ------
+    InvalidParameterError
+        If a matrix does not fit the system.
     AlgebraicLoopError
         If I - F D11 is singular: the undelayed direct path around the loop has no unique solution.
     """
-    loop = np.eye(system.n_inputs) - feedback_matrix @ system.D11
-    if np.linalg.cond(loop) > 1e12:
-        raise AlgebraicLoopError(
-            "The undelayed direct path around the loop has gain 1, so it has no unique solution; "
-            "put a delay or a lag into the loop, or feed back the plant's derivative output instead of differentiating."
+    F, G, H = (np.asarray(matrix, dtype=np.float64) for matrix in (feedback_matrix, input_matrix, output_matrix))
+    m, p = system.n_inputs, system.n_outputs
+    if F.shape != (m, p) or G.ndim != 2 or len(G) != m or H.ndim != 2 or H.shape[1] != p:
+        raise InvalidParameterError(
+            f"Around a system of {p} outputs and {m} inputs, F must have shape {(m, p)}, G {m} rows and H {p} columns; "
+            f"got {F.shape}, {G.shape} and {H.shape}."
         )
-    gain = np.linalg.solve(loop, feedback_matrix)
-    entry = np.linalg.solve(loop, input_matrix)
-    s, H = system, output_matrix
-    return DelayLTI(
-        s.A + s.B1 @ gain @ s.C1, s.B1 @ entry, s.B2 + s.B1 @ gain @ s.D12,
-        H @ (s.C1 + s.D11 @ gain @ s.C1), s.C2 + s.D21 @ gain @ s.C1,
-        H @ s.D11 @ entry, H @ (s.D12 + s.D11 @ gain @ s.D12), s.D21 @ entry, s.D22 + s.D21 @ gain @ s.D12, s.tau,
+    closed = closed_directly(F @ system.D11)
+    gain, entry = closed @ F, closed @ G
+    s = system
+    return merge_delays(
+        DelayLTI(
+            s.A + s.B1 @ gain @ s.C1, s.B1 @ entry, s.B2 + s.B1 @ gain @ s.D12,
+            H @ (s.C1 + s.D11 @ gain @ s.C1), s.C2 + s.D21 @ gain @ s.C1,
+            H @ (s.D11 @ entry), H @ (s.D12 + s.D11 @ gain @ s.D12), s.D21 @ entry, s.D22 + s.D21 @ gain @ s.D12, s.tau,
+        )
     )  # fmt: skip
 
 
-def series(first: DelayLTI, second: DelayLTI) -> DelayLTI:
-    """Second after first: y = second(first(u)).
+def series(*systems: Operand) -> DelayLTI:
+    """One after the other: series(G, H) is y = H(G(u)).
 
     Raises
     ------
     InvalidParameterError
-        If the first has another number of outputs than the second has inputs.
+        If one has another number of outputs than the next has inputs.
     """
+    return reduce(_in_series, [as_delay_lti(system) for system in systems])
+
+
+def _in_series(first: DelayLTI, second: DelayLTI) -> DelayLTI:
     if first.n_outputs != second.n_inputs:
         raise InvalidParameterError(
             f"A series connection needs as many outputs of the first system ({first.n_outputs}) "
-            f"as inputs of the second ({second.n_inputs})."
+            f"as inputs of the second ({second.n_inputs}); their shapes (outputs, inputs) are {_shape(first)} and "
+            f"{_shape(second)}."
         )
     both = append(first, second)
-    m1, p1, p2 = first.n_inputs, first.n_outputs, second.n_outputs
+    m1, p1 = first.n_inputs, first.n_outputs
     F = np.zeros((both.n_inputs, both.n_outputs))
     F[m1:, :p1] = np.eye(p1)
-    G = np.eye(both.n_inputs)[:, :m1]
-    H = np.eye(both.n_outputs)[p1 : p1 + p2]
-    return connect(both, F, G, H)
+    return connect(both, F, np.eye(both.n_inputs)[:, :m1], np.eye(both.n_outputs)[p1:])
 
 
-def feedback(forward: DelayLTI, back: DelayLTI | None = None, sign: float = -1.0) -> DelayLTI:
+def parallel(*systems: Operand) -> DelayLTI:
+    """Side by side on the same inputs, outputs added.
+
+    Raises
+    ------
+    InvalidParameterError
+        If they differ in shape.
+    """
+    parts = [as_delay_lti(system) for system in systems]
+    m, p = parts[0].n_inputs, parts[0].n_outputs
+    for other in parts[1:]:
+        if _shape(other) != (p, m):
+            raise InvalidParameterError(
+                f"A sum needs systems of one shape (outputs, inputs), got {(p, m)} and {_shape(other)}."
+            )
+    all_of_them = append(*parts)
+    F = np.zeros((all_of_them.n_inputs, all_of_them.n_outputs))
+    return connect(all_of_them, F, np.vstack([np.eye(m)] * len(parts)), np.hstack([np.eye(p)] * len(parts)))
+
+
+def feedback(forward: Operand, back: Operand | None = None, sign: float = -1.0) -> DelayLTI:
     """The loop y = forward(v + sign * back(y)); back is the identity when left out, sign -1 as in python-control.
+
+    A number as back stands for that many times the identity.
 
     Raises
     ------
@@ -85,39 +127,50 @@ def feedback(forward: DelayLTI, back: DelayLTI | None = None, sign: float = -1.0
     AlgebraicLoopError
         If the undelayed direct path has no unique solution.
     """
-    m, p = forward.n_inputs, forward.n_outputs
-    if back is None:
+    ahead = as_delay_lti(forward)
+    m, p = ahead.n_inputs, ahead.n_outputs
+    if back is None or isinstance(back, int | float | np.number):
         if m != p:
             raise InvalidParameterError(f"Unit feedback needs a square system, got {p} outputs and {m} inputs.")
-        return connect(forward, sign * np.eye(m), np.eye(m), np.eye(p))
-    if (back.n_inputs, back.n_outputs) != (p, m):
+        back = static_gain((1.0 if back is None else back) * np.eye(m))
+    returning = as_delay_lti(back)
+    if _shape(returning) != (m, p):
         raise InvalidParameterError(
-            f"The feedback path must have {p} inputs and {m} outputs, got {back.n_inputs} and {back.n_outputs}."
+            f"The feedback path must have {p} inputs and {m} outputs, got {returning.n_inputs} and "
+            f"{returning.n_outputs}."
         )
-    both = append(forward, back)
+    both = append(ahead, returning)
     F = np.zeros((m + p, p + m))
     F[:m, p:] = sign * np.eye(m)
     F[m:, :p] = np.eye(p)
     return connect(both, F, np.eye(m + p)[:, :m], np.eye(p + m)[:p])
 
 
-def delay(seconds: float) -> DelayLTI:
-    """Pure delay y(t) = u(t - seconds), one input and one output; zero seconds is the identity.
+def delay(seconds: ArrayLike) -> DelayLTI:
+    """Pure delay y(t) = u(t - seconds); zero seconds is the identity.
+
+    Parameters
+    ----------
+    seconds
+        One delay, or a vector of k delays for k inputs and k outputs, each delayed by its own [s].
 
     Raises
     ------
     InvalidParameterError
-        If seconds is negative or not a number.
+        If a delay is negative or not a finite number.
     """
-    if not (seconds >= 0 and np.isfinite(seconds)):
-        raise InvalidParameterError(f"A delay must be >= 0 s and finite, got {seconds!r}.")
-    empty = np.zeros
-    if seconds == 0:
-        return DelayLTI(
-            empty((0, 0)), empty((0, 1)), empty((0, 0)), empty((1, 0)), empty((0, 0)),
-            np.ones((1, 1)), empty((1, 0)), empty((0, 1)), empty((0, 0)), empty(0),
-        )  # fmt: skip
-    return DelayLTI(
-        empty((0, 0)), empty((0, 1)), empty((0, 1)), empty((1, 0)), empty((1, 0)),
-        empty((1, 1)), np.ones((1, 1)), np.ones((1, 1)), empty((1, 1)), np.array([float(seconds)]),
+    given = np.asarray(seconds)
+    if given.dtype.kind not in "iuf" or given.ndim > 1 or not (np.isfinite(given) & (given >= 0)).all():
+        raise InvalidParameterError(
+            f"A delay must be >= 0 s and finite, one number or a vector of numbers, got {seconds!r}."
+        )
+    times = np.atleast_1d(given.astype(np.float64))
+    late, identity = np.flatnonzero(times), np.eye(len(times))
+    return delay_lti(
+        A=np.zeros((0, 0)), B1=np.zeros((0, len(times))), C1=np.zeros((len(times), 0)), tau=times[late],
+        D11=np.diag((times == 0).astype(np.float64)), D12=identity[:, late], D21=identity[late],
     )  # fmt: skip
+
+
+def _shape(system: DelayLTI) -> tuple[int, int]:
+    return system.n_outputs, system.n_inputs

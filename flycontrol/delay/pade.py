@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
+from flycontrol.delay.convert import delay_free, from_control, to_statespace
+from flycontrol.delay.interconnect import append, connect
 from flycontrol.delay.system import DelayLTI, FloatArray
 from flycontrol.errors import InvalidParameterError
 
-if TYPE_CHECKING:
-    import control
+__all__ = ["PadeMatrices", "from_control", "pade", "pade_matrices", "to_statespace"]
 
 
 class PadeMatrices(NamedTuple):
@@ -67,13 +69,11 @@ def pade(system: DelayLTI, order: int) -> DelayLTI:
     AlgebraicLoopError
         If the approximants' direct paths close an algebraic loop (possible only with nonzero D22).
     """
-    from flycontrol.delay.interconnect import append, connect
-
     if system.n_delays == 0:
         return system
     unit = pade_matrices(order)
     channels = append(
-        *[_rational(unit.A / tau, unit.B[:, None] / tau, unit.C[None, :], np.array([[unit.D]])) for tau in system.tau]
+        *[delay_free(unit.A / tau, unit.B[:, None] / tau, unit.C[None, :], np.array([[unit.D]])) for tau in system.tau]
     )
     opened = _open_delays(system)
     both = append(opened, channels)
@@ -81,60 +81,13 @@ def pade(system: DelayLTI, order: int) -> DelayLTI:
     F = np.zeros((m + 2 * q, p + 2 * q))
     F[m : m + q, p + q :] = np.eye(q)  # w = channels' outputs
     F[m + q :, p : p + q] = np.eye(q)  # channels' inputs = z
-    return connect(both, F, np.eye(m + 2 * q)[:, :m], np.eye(p + 2 * q)[:p])
-
-
-def to_statespace(system: DelayLTI, order: int | None = None) -> control.StateSpace:
-    """As `control.StateSpace`; delays need a Pade order.
-
-    Raises
-    ------
-    InvalidParameterError
-        If the system has delays and no order is given.
-    """
-    import control
-
-    if system.n_delays and order is None:
-        raise InvalidParameterError(
-            f"The system has {system.n_delays} delay(s), which a StateSpace cannot hold; give the order of a Pade "
-            "approximation."
-        )
-    rational = pade(system, order) if order is not None else system
-    return control.StateSpace(rational.A, rational.B1, rational.C1, rational.D11)
-
-
-def from_control(system: control.StateSpace | control.TransferFunction) -> DelayLTI:
-    """A delay-free `DelayLTI` from python-control's continuous-time StateSpace or TransferFunction.
-
-    Raises
-    ------
-    InvalidParameterError
-        If the system is in discrete time or improper.
-    """
-    import control
-
-    if system.dt not in (0, None):
-        raise InvalidParameterError(f"Only continuous-time systems can be converted, got dt = {system.dt!r}.")
-    try:
-        ss = control.ss(system)
-    except (ValueError, control.ControlMIMONotImplemented) as refusal:
-        raise InvalidParameterError(
-            f"python-control finds no state space for this system ({refusal}); an improper system has none: "
-            "feed back the plant's derivative output instead."
-        ) from refusal
-    blocks: list[FloatArray] = [np.array(getattr(ss, name), dtype=np.float64) for name in "ABCD"]
-    return _rational(blocks[0], blocks[1], blocks[2], blocks[3])
-
-
-def _rational(A: FloatArray, B: FloatArray, C: FloatArray, D: FloatArray) -> DelayLTI:
-    n, m, p = A.shape[0], B.shape[1], C.shape[0]
-    zero = np.zeros
-    return DelayLTI(A, B, zero((n, 0)), C, zero((0, n)), D, zero((p, 0)), zero((0, m)), zero((0, 0)), zero(0))
+    rational = connect(both, F, np.eye(m + 2 * q)[:, :m], np.eye(p + 2 * q)[:p])
+    return replace(rational, input_names=system.input_names, output_names=system.output_names, name=system.name)
 
 
 def _open_delays(system: DelayLTI) -> DelayLTI:
     """Inputs (u, w) and outputs (y, z) of the system with its delay channels cut open."""
-    return _rational(
+    return delay_free(
         system.A,
         np.hstack([system.B1, system.B2]),
         np.vstack([system.C1, system.C2]),

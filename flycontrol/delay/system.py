@@ -3,28 +3,39 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flycontrol.errors import InvalidParameterError
+from flycontrol.errors import InvalidParameterError, UnstableSystemError
+
+if TYPE_CHECKING:
+    from flycontrol.delay.convert import Operand
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class DelayLTI:
     """x' = A x + B1 u + B2 w,  y = C1 x + D11 u + D12 w,  z = C2 x + D21 u + D22 w,  w_i(t) = z_i(t - tau_i).
 
     With n states, m inputs, p outputs and q delay channels: A (n, n), B1 (n, m), B2 (n, q), C1 (p, n), C2 (q, n),
     D11 (p, m), D12 (p, q), D21 (q, m), D22 (q, q), tau (q,) in seconds, each > 0. `delay_lti` fills blocks left out.
 
+    G + H, G - H, G * H (y = G(H u)), G / H (y = G(H^-1 u)) and -G are those of transfer matrices. Either side may be a
+    number, a gain matrix, or python-control's StateSpace or TransferFunction (save `TransferFunction / DelayLTI`, which
+    python-control refuses by itself: write `ss(G) / H`). As there, a number or a system with one input and one output
+    is added to every entry and multiplies every entry. Names do not survive arithmetic: see `named`.
+
     Raises
     ------
     InvalidParameterError
-        If a block does not fit the others, an entry is not finite, or a delay is not > 0.
+        If a block does not fit the others, an entry is not finite, a delay is not > 0, or names do not fit.
     """
+
+    __array_ufunc__ = None  # a NumPy number or matrix on the left hands the operation over
 
     A: FloatArray
     B1: FloatArray
@@ -36,6 +47,9 @@ class DelayLTI:
     D21: FloatArray
     D22: FloatArray
     tau: FloatArray  #: delays [s]
+    input_names: tuple[str, ...] = ()  #: m names, or none
+    output_names: tuple[str, ...] = ()  #: p names, or none
+    name: str = ""
 
     def __post_init__(self) -> None:
         n, m, p, q = self.n_states, self.n_inputs, self.n_outputs, self.n_delays
@@ -55,6 +69,8 @@ class DelayLTI:
             block.setflags(write=False)
         if not (self.tau > 0).all():
             raise InvalidParameterError(f"DelayLTI.tau must be > 0 s, got {self.tau.tolist()!r}.")
+        _check_names("input_names", self.input_names, m)
+        _check_names("output_names", self.output_names, p)
 
     @property
     def n_states(self) -> int:
@@ -77,7 +93,13 @@ class DelayLTI:
         return len(self.tau)
 
     def __call__(self, s: ArrayLike) -> ComplexArray:
-        """Transfer matrix at the complex frequencies s [1/s]; shape s.shape + (p, m)."""
+        """Transfer matrix at the complex frequencies s [1/s]; shape s.shape + (p, m).
+
+        Raises
+        ------
+        InvalidParameterError
+            If s holds a root of the system.
+        """
         points = np.asarray(s, dtype=np.complex128)
         inner = characteristic_matrix(self, points)
         n = self.n_states
@@ -85,8 +107,102 @@ class DelayLTI:
         forcing = np.empty((*points.shape, n + self.n_delays, self.n_inputs), dtype=np.complex128)
         forcing[..., :n, :] = self.B1
         forcing[..., n:, :] = factor[..., None] * self.D21
-        states = np.linalg.solve(inner, forcing)
+        try:
+            states = np.linalg.solve(inner, forcing)
+        except np.linalg.LinAlgError as singular:
+            raise InvalidParameterError(
+                "The transfer matrix is infinite at a root of the system, and s holds one; leave it out."
+            ) from singular
         return self.C1 @ states[..., :n, :] + self.D12 @ states[..., n:, :] + self.D11
+
+    def dcgain(self) -> FloatArray:
+        """G(0), shape (p, m): the outputs at rest for constant unit inputs, if the system is stable.
+
+        Raises
+        ------
+        UnstableSystemError
+            If the system has a root at s = 0.
+        """
+        try:
+            return self(0.0).real
+        except InvalidParameterError as infinite:
+            raise UnstableSystemError(
+                "A system with a root at s = 0 (an integrator) comes to no rest, so it has no DC gain; close a loop "
+                "around it first."
+            ) from infinite
+
+    def feedback(self, other: Operand | None = None, sign: float = -1.0) -> DelayLTI:
+        """The loop y = self(v + sign * other(y)), see `flycontrol.delay.interconnect.feedback`."""
+        from flycontrol.delay.interconnect import feedback
+
+        return feedback(self, other, sign)
+
+    def __add__(self, other: Operand) -> DelayLTI:
+        from flycontrol.delay.arithmetic import add
+
+        return add(self, other)
+
+    def __radd__(self, other: Operand) -> DelayLTI:
+        from flycontrol.delay.arithmetic import add
+
+        return add(other, self)
+
+    def __sub__(self, other: Operand) -> DelayLTI:
+        from flycontrol.delay.arithmetic import subtract
+
+        return subtract(self, other)
+
+    def __rsub__(self, other: Operand) -> DelayLTI:
+        from flycontrol.delay.arithmetic import subtract
+
+        return subtract(other, self)
+
+    def __mul__(self, other: Operand) -> DelayLTI:
+        from flycontrol.delay.arithmetic import multiply
+
+        return multiply(self, other)
+
+    def __rmul__(self, other: Operand) -> DelayLTI:
+        from flycontrol.delay.arithmetic import multiply
+
+        return multiply(other, self)
+
+    def __truediv__(self, other: Operand) -> DelayLTI:
+        from flycontrol.delay.arithmetic import divide
+
+        return divide(self, other)
+
+    def __rtruediv__(self, other: Operand) -> DelayLTI:
+        from flycontrol.delay.arithmetic import divide
+
+        return divide(other, self)
+
+    def __neg__(self) -> DelayLTI:
+        return -1.0 * self
+
+    def __repr__(self) -> str:
+        counts = ((self.n_states, "state"), (self.n_inputs, "input"), (self.n_outputs, "output"))
+        sizes = ", ".join(f"{many} {noun}" + "s" * (many != 1) for many, noun in counts)
+        return f"<DelayLTI {self.name}".rstrip() + f": {sizes}, {_delays_in_words(self.tau)}>"
+
+
+def _check_names(field: str, names: tuple[str, ...], many: int) -> None:
+    fits = isinstance(names, tuple) and all(isinstance(name, str) and name for name in names)
+    if not (fits and len(names) in (0, many) and len(set(names)) == len(names)):
+        raise InvalidParameterError(
+            f"DelayLTI.{field} must be {many} distinct names in a tuple, or empty, got {names!r}."
+        )
+
+
+def _delays_in_words(tau: FloatArray) -> str:
+    """'no delay', 'delay 13.6 ms', '2 delays 5 ms, 13.6 ms', '9 delays 1 ms .. 2 s'."""
+    if len(tau) == 0:
+        return "no delay"
+    words = [f"{t:.4g} s" if t >= 1 else f"{t * 1e3:.4g} ms" if t >= 1e-3 else f"{t * 1e6:.4g} us" for t in tau]
+    if len(tau) == 1:
+        return f"delay {words[0]}"
+    listed = ", ".join(words) if len(tau) <= 4 else f"{words[int(tau.argmin())]} .. {words[int(tau.argmax())]}"
+    return f"{len(tau)} delays {listed}"
 
 
 def delay_lti(  # noqa: PLR0913 (one argument a block)
