@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from flycontrol.delay.balance import balance, root_bound
 from flycontrol.delay.kernels import winding
-from flycontrol.delay.system import DelayLTI
+from flycontrol.delay.system import DelayLTI, FloatArray
 
 _MOST_STEPS = 200_000
+_STATUS = {winding.TOO_NEAR: "a root too near the line", winding.NOT_COUNTED: "not certified"}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -26,25 +27,37 @@ class RootCount:
 def count_right_of(system: DelayLTI, line: float) -> RootCount:
     """Count the roots right of Re s = line by the phase of the characteristic function f along it.
 
-    On the line the phase is followed from w = 0 to W = 2 R, with R a bound on |s| for roots right of it, by steps
-    that cannot miss a turn. Beyond, f(s) / s^n is a product of factors 1 - mu / s with |mu| <= R, their phases
-    principal values all the way to infinity. Hence Z = (phase of f on the arc - phase on the line) / pi.
+    On the line the phase is followed from w = 0 to W = R / sin(pi / n), with R a bound on |s| for roots right of it, by
+    steps that cannot miss a turn. On the arc beyond, f(s) / s^n is a product of n factors 1 - mu / s with |mu| <= R,
+    its phase the principal value. Hence Z = (phase of f on the arc - phase on the line) / pi.
     """
-    x = balance(system)
-    n = x.n_states
-    if n == 0:
-        return RootCount(line=line, roots=0, steps=0, status="certified")
-    radius = root_bound(x, line)
-    top = max(2.0 * radius, 2.0 * abs(line), 1e-12)
-    blocks = (x.A.copy(), x.B2.copy(), x.C2.copy(), x.D22.copy(), x.tau.copy())
-    phase, steps = winding.phase_along_line(blocks, line, top, _MOST_STEPS)
-    if np.isnan(phase):
-        return RootCount(line=line, roots=None, steps=steps, status="a root too near the line")
-    corner = complex(line, top)
-    factor = np.exp(-corner * x.tau)
-    delayed = x.B2 @ np.linalg.solve(np.eye(x.n_delays) - factor[:, None] * x.D22, factor[:, None] * x.C2)
-    arc = n * np.angle(corner) + np.angle(1.0 - np.linalg.eigvals(x.A + delayed) / corner).sum()
-    turns = (arc - phase) / np.pi
-    if abs(turns - round(turns)) > 1e-6:
-        return RootCount(line=line, roots=None, steps=steps, status="not certified")
-    return RootCount(line=line, roots=round(turns), steps=steps, status="certified")
+    return counts_right_of([system], [line])[0]
+
+
+def counts_right_of(systems: Sequence[DelayLTI], lines: Sequence[float] | FloatArray) -> list[RootCount]:
+    """`count_right_of` for each of many systems and its line [1/s]; those in a row with equal shapes share one call."""
+    found: list[RootCount] = []
+    while len(found) < len(systems):
+        first = len(found)
+        last = first
+        while last < len(systems) and _shape(systems[last]) == _shape(systems[first]):
+            last += 1
+        found += _counted(systems[first:last], np.array(lines[first:last], dtype=np.float64))
+    return found
+
+
+def _shape(system: DelayLTI) -> tuple[int, int]:
+    return system.n_states, system.n_delays
+
+
+def _counted(systems: Sequence[DelayLTI], lines: FloatArray) -> list[RootCount]:
+    if systems[0].n_states == 0:
+        return [RootCount(line=float(line), roots=0, steps=0, status="certified") for line in lines]
+    A, B2, C2, D22, tau = (np.array([getattr(s, name) for s in systems]) for name in ("A", "B2", "C2", "D22", "tau"))
+    roots, steps = winding.count_each(A, B2, C2, D22, tau, lines, _MOST_STEPS)
+    return [
+        RootCount(
+            line=float(line), roots=int(r) if r >= 0 else None, steps=int(k), status=_STATUS.get(int(r), "certified")
+        )
+        for line, r, k in zip(lines, roots, steps, strict=True)
+    ]

@@ -1,13 +1,57 @@
-"""Phase of det M along a vertical line, by steps that cannot miss a turn. See `flycontrol.delay.count`."""
+"""The count by the argument principle in one kernel. The mathematics stands in `flycontrol.delay.count`."""
 
 from __future__ import annotations
 
 import numba
 import numpy as np
 
+TOO_NEAR, NOT_COUNTED = -1, -2
+
 
 @numba.njit(cache=True)
-def _characteristic(M, A, B2, C2, D22, tau, s):
+def scale(A, B2, C2, D22):
+    """Scale states and delayed signals to each other, in place: by powers of two, so that nothing is rounded."""
+    n, q = B2.shape
+    weight = np.abs(A)
+    for a in range(n):
+        for b in range(n):
+            for c in range(q):
+                weight[a, b] += abs(B2[a, c] * C2[c, b])
+    for _ in range(10):
+        settled = True
+        for i in range(n):  # Osborne: row and column of alike size
+            row, column = -weight[i, i], -weight[i, i]
+            for j in range(n):
+                row += weight[i, j]
+                column += weight[j, i]
+            if not (row > 0.0 and column > 0.0):
+                continue
+            factor = 2.0 ** np.round(0.5 * np.log2(column / row))
+            if factor != 1.0:
+                settled = False
+                for M in (weight, A):
+                    M[i] *= factor
+                    M[:, i] /= factor
+                B2[i] *= factor
+                C2[:, i] /= factor
+        if settled:
+            break
+    for c in range(q):  # a delayed signal's entry and reading of alike size
+        entry, reading = 0.0, 0.0
+        for a in range(n):
+            entry = max(entry, abs(B2[a, c]))
+            reading = max(reading, abs(C2[c, a]))
+        if entry > 0.0 and reading > 0.0:
+            factor = 2.0 ** np.round(0.5 * np.log2(reading / entry))
+            B2[:, c] *= factor
+            D22[:, c] *= factor
+            C2[c] /= factor
+            D22[c] /= factor
+
+
+@numba.njit(cache=True)
+def characteristic(M, A, B2, C2, D22, tau, s):
+    """Fill M = [[s I - A, -B2], [-E C2, I - E D22]]."""
     n, q = A.shape[0], len(tau)
     for a in range(n):
         for b in range(n):
@@ -25,78 +69,120 @@ def _characteristic(M, A, B2, C2, D22, tau, s):
 
 
 @numba.njit(cache=True)
-def _invert(M, inverse):
+def _size(z):
+    return abs(z.real) + abs(z.imag)
+
+
+@numba.njit(cache=True)
+def invert(M, inverse):
     """Gauss-Jordan with row pivoting; returns the direction of det M, of modulus 1, or 0 if M is singular."""
     size = M.shape[0]
     direction = 1.0 + 0.0j
     for i in range(size):
         for j in range(size):
-            inverse[i, j] = 1.0 if i == j else 0.0
+            inverse[i, j] = 0.0
+        inverse[i, i] = 1.0
     for k in range(size):
-        pivot = k
+        pivot, largest = k, _size(M[k, k])
         for i in range(k + 1, size):
-            if abs(M[i, k]) > abs(M[pivot, k]):
-                pivot = i
-        if M[pivot, k] == 0.0:
+            if _size(M[i, k]) > largest:
+                pivot, largest = i, _size(M[i, k])
+        if not largest > 0.0:
             return 0.0j
         if pivot != k:
             direction = -direction
             for j in range(size):
                 M[k, j], M[pivot, j] = M[pivot, j], M[k, j]
                 inverse[k, j], inverse[pivot, j] = inverse[pivot, j], inverse[k, j]
-        direction *= M[k, k] / abs(M[k, k])
-        scale = 1.0 / M[k, k]
+        entry = M[k, k] * (1.0 / largest)  # the quotient of complex numbers in Numba is slow
+        square = entry.real * entry.real + entry.imag * entry.imag
+        direction *= entry * (1.0 / np.sqrt(square))
+        reciprocal = entry.conjugate() * (1.0 / (square * largest))
+        for j in range(k + 1, size):
+            M[k, j] *= reciprocal
         for j in range(size):
-            M[k, j] *= scale
-            inverse[k, j] *= scale
+            inverse[k, j] *= reciprocal
         for i in range(size):
             ratio = M[i, k]
-            if i != k and ratio != 0.0:
-                for j in range(size):
+            if i != k and _size(ratio) > 0.0:
+                for j in range(k + 1, size):
                     M[i, j] -= ratio * M[k, j]
+                for j in range(size):
                     inverse[i, j] -= ratio * inverse[k, j]
     return direction
 
 
 @numba.njit(cache=True)
-def _perron_bound(inverse, slope, y):
-    """Upper bound on the Perron root of |inverse| slope: max (P y)_i / y_i for any y > 0 (Collatz, Wielandt).
+def _perron_bound(inverse, slope, product, y, image):
+    """Upper bound on the Perron root of P = |inverse| slope: max (P y)_i / y_i for any y > 0 (Collatz, Wielandt).
 
     A few power steps make it tight; y is kept from call to call, since neighbours on the line resemble each other.
     """
     size = len(y)
-    once, product = np.empty(size), np.empty(size)
-    bound = np.inf
-    for _ in range(4):
+    for i in range(size):
+        for j in range(size):
+            product[i, j] = 0.0
         for k in range(size):
-            once[k] = 0.0
+            entry = np.sqrt(inverse[i, k].real ** 2 + inverse[i, k].imag ** 2)
             for j in range(size):
-                once[k] += slope[k, j] * y[j]
-        largest = 0.0
+                product[i, j] += entry * slope[k, j]
+    bound = np.inf
+    for _ in range(3):
+        ratio, largest = 0.0, 0.0
         for i in range(size):
             total = 0.0
-            for k in range(size):
-                total += abs(inverse[i, k]) * once[k]
-            product[i] = total
+            for j in range(size):
+                total += product[i, j] * y[j]
+            image[i] = total
+            ratio = max(ratio, total / y[i])
             largest = max(largest, total)
-        ratio = 0.0
-        for i in range(size):
-            ratio = max(ratio, product[i] / y[i])
         bound = min(bound, ratio)
         for i in range(size):
-            y[i] = product[i] / largest + 1e-6
+            y[i] = image[i] / largest + 1e-6
     return bound
 
 
 @numba.njit(cache=True)
-def phase_along_line(blocks, line, top, most):
-    """Phase change of det M(line + j w) from w = 0 to `top`, and the steps taken; NaN if a root lies too near the line.
+def radius(A, B2, C2, D22, growth):
+    """A bound on |s| for every root with |exp(-s tau)| <= growth; inf for a system of neutral type.
+
+    The Perron root of |A| + |B2| (I - G |D22|)^-1 G |C2|, G = diag growth, from above by Collatz and Wielandt.
+    """
+    n, q = B2.shape
+    reach = np.ones(q)
+    for _ in range(q):
+        reach = np.abs(D22) @ reach
+    if q > 0 and reach.max() > 0.0:
+        return np.inf
+    N = np.abs(A)
+    if q > 0:
+        chain = np.zeros((q, n))
+        for _ in range(q):  # exact: D22 is nilpotent
+            chain = np.abs(C2) + np.abs(D22) @ chain
+            for c in range(q):
+                chain[c] *= growth[c]
+        N += np.abs(B2) @ chain
+    y = np.ones(n)
+    bound = np.inf
+    for _ in range(8):
+        product = N @ y
+        ratio = (product / y).max()
+        bound = min(bound, ratio)
+        y = product + 0.3 * ratio * y + 1e-300  # the shift keeps a periodic matrix from swinging
+        y /= y.max()
+        y = np.maximum(y, 1e-12)
+    return bound
+
+
+@numba.njit(cache=True)
+def _phase_along_line(M, A, B2, C2, D22, tau, line, top, most):
+    """Phase change of det M(line + j w) from w = 0 to `top`, its direction there, and the steps taken.
 
     From a point s the step h keeps h times the Perron root of |M(s)^-1| |M'| below rho, where |M'| bounds the slope of
     M on the whole line entry by entry. Then det M(s + j h) / det M(s) is a product of n + q numbers within rho of 1, so
-    its phase is below pi when (n + q) asin(rho) is, and its principal value is the true change.
+    its phase is below pi when (n + q) asin(rho) is, and its principal value is the true change. The phase is NaN if a
+    root lies so near the line that steps vanish.
     """
-    A, B2, C2, D22, tau = blocks
     n, q = A.shape[0], len(tau)
     size = n + q
     slope = np.zeros((size, size))
@@ -109,18 +195,57 @@ def phase_along_line(blocks, line, top, most):
         for d in range(q):
             slope[n + c, n + d] = growth * abs(D22[c, d])
     rho = 0.9 * np.sin(min(np.pi / size, 0.5 * np.pi))
-    M, inverse = np.empty((size, size), np.complex128), np.empty((size, size), np.complex128)
-    y = np.ones(size)
+    inverse = np.empty((size, size), np.complex128)
+    product, y, image = np.empty((size, size)), np.ones(size), np.empty(size)
     w, total, steps = 0.0, 0.0, 0
-    _characteristic(M, A, B2, C2, D22, tau, complex(line, 0.0))
-    before = _invert(M, inverse)
+    characteristic(M, A, B2, C2, D22, tau, complex(line, 0.0))
+    before = invert(M, inverse)
     while w < top:
         if before == 0.0 or steps >= most:
-            return np.nan, steps
-        w = min(top, w + rho / _perron_bound(inverse, slope, y))
-        _characteristic(M, A, B2, C2, D22, tau, complex(line, w))
-        after = _invert(M, inverse)
+            return np.nan, before, steps
+        ahead = min(top, w + rho / _perron_bound(inverse, slope, product, y, image))
+        if not ahead > w:
+            return np.nan, before, steps
+        w = ahead
+        characteristic(M, A, B2, C2, D22, tau, complex(line, w))
+        after = invert(M, inverse)
         total += np.angle(after * np.conj(before))
         before = after
         steps += 1
-    return total, steps
+    return (total if before != 0.0 else np.nan), before, steps
+
+
+@numba.njit(cache=True)
+def count_right_of(A, B2, C2, D22, tau, line, most):
+    """Roots with Re s > line of a system with states, scaled as by `scale`, or TOO_NEAR or NOT_COUNTED; and the steps.
+
+    All roots there have |s| <= R. At |s| >= R / sin(pi / n) the factors 1 - mu / s of det M(s) / s^n, |mu| <= R, turn
+    by less than pi altogether, so that the principal value of its phase is the phase of the arc.
+    """
+    n, size = A.shape[0], A.shape[0] + len(tau)
+    bound = radius(A, B2, C2, D22, np.exp(-line * tau))
+    if not bound < 1e150:
+        return NOT_COUNTED, 0
+    if line > 1.0001 * bound:
+        return 0, 0
+    top = bound / (0.9 * np.sin(np.pi / max(n, 2)))
+    M = np.empty((size, size), np.complex128)
+    phase, direction, steps = _phase_along_line(M, A, B2, C2, D22, tau, line, top, most)
+    if np.isnan(phase):
+        return (NOT_COUNTED if steps >= most else TOO_NEAR), steps
+    corner = n * np.angle(complex(line, top))
+    arc = corner + np.angle(direction * np.exp(complex(0.0, -corner)))
+    turns = (arc - phase) / np.pi
+    whole = np.round(turns)
+    return (int(whole) if abs(turns - whole) < 1e-6 else NOT_COUNTED), steps
+
+
+@numba.njit(cache=True)
+def count_each(A, B2, C2, D22, tau, line, most):
+    """`count_right_of` for k systems of one structure: blocks (k, ...), tau (k, q), line (k,). Scales the blocks."""
+    roots = np.empty(len(line), np.int64)
+    steps = np.empty(len(line), np.int64)
+    for k in range(len(line)):
+        scale(A[k], B2[k], C2[k], D22[k])
+        roots[k], steps[k] = count_right_of(A[k], B2[k], C2[k], D22[k], tau[k], line[k], most)
+    return roots, steps
