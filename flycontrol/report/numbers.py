@@ -8,6 +8,7 @@ import re
 from flycontrol.units import deg, ms
 
 ABSENT = "—"
+_GREEK = {"beta": "β", "gamma": "γ", "omega": "ω", "eta": "η", "psi": "ψ", "d_alpha": "Δα"}
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -29,6 +30,16 @@ def significant(value: float | None, digits: int = 3, unit: str = "") -> str:
         mantissa, _, power = text.partition("e")
         text = f"{mantissa}×10{_raised(power)}"
     return text.replace("-", "−") + (f"\N{NO-BREAK SPACE}{unit}" if unit else "")
+
+
+def sentence(text: str) -> str:
+    """Set a sentence of another layer, written in ASCII, with Greek letters, minus signs and arrows."""
+    for word, letter in _GREEK.items():
+        text = re.sub(rf"\b{word}\b", letter, text)
+    text = text.replace("->", "→").replace(" - ", " − ")
+    text = re.sub(r"(?<=\d)-(?=\d)", "–", text)
+    text = re.sub(r"(?<![\w–])-(?=\d)", "−", text)
+    return typeset(text)
 
 
 def typeset(text: str) -> str:

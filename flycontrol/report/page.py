@@ -3,28 +3,30 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from flycontrol.identify.flight import FlightAnalysis
 from flycontrol.jobs.files import write_files_atomically
 from flycontrol.jobs.progress import Progress, no_progress
 from flycontrol.model.parameters import CERTAINTIES, Parameters
-from flycontrol.model.references import cite
+from flycontrol.model.references import Reference, cite, references
 from flycontrol.model.study import StabilityStudy, study
 from flycontrol.report import tables
 from flycontrol.report.chain import loop_chain
+from flycontrol.report.flight import FlightPart, flight_part
 from flycontrol.report.nominal import dampings, pulse_task, yaw_loop
 from flycontrol.report.page_figures import page_figures
 from flycontrol.report.provenance import Provenance, provenance
 from flycontrol.report.result import result_json
 from flycontrol.report.verdict import proportional_sentence, verdict
 
-if TYPE_CHECKING:
-    from flycontrol.identify.flight import FlightAnalysis
-
 _LABELS = {"review": "the review", "flycontrol": "this package"}  #: of references without authors
-_ORDER = ("diagram", "bode", "nyquist", "budget", "gain-locus", "delay-locus", "recoveries", "strength", "damping")
+_FIGURES = (
+    "diagram", "bode", "nyquist", "budget", "gain-locus", "delay-locus", "recoveries", "strength", "damping",
+    "flight-wings", "flight-turning", "flight-angles",
+)  # fmt: skip
+_FIXED_TABLES = 6  #: tables before those on a flight
 
 
 def write_report(
@@ -56,25 +58,24 @@ def write_report(
         If the files cannot be written; earlier ones stay as they were.
     """
     found = study(yaw_loop(parameters), pulse_task(parameters), dampings(parameters), progress=progress)
-    recording = None if analysis is None else analysis.recording
-    origin = provenance(
-        parameters,
-        command,
-        None if recording is None else recording.name,
-        None if recording is None else recording.source_sha256,
-    )
-    files = {"index.html": page(found, parameters, origin), "result.json": result_json(found, parameters, origin)}
+    origin = provenance(parameters, command, analysis)
+    files = {
+        "index.html": page(found, parameters, origin, analysis),
+        "result.json": result_json(found, parameters, origin, analysis),
+    }
     write_files_atomically(folder, files)
 
 
-def page(found: StabilityStudy, parameters: Parameters, origin: Provenance, flight: Any = None) -> str:
+def page(
+    found: StabilityStudy, parameters: Parameters, origin: Provenance, analysis: FlightAnalysis | None = None
+) -> str:
     """Render the whole report as one self-contained HTML page."""
-    chain = loop_chain(found.result.loop, parameters.wingbeat_frequency.value)
-    figures = page_figures(found, chain, parameters.wingbeat_frequency.value)
-    drawn = [name for name in _ORDER if name in figures or name == "diagram"]
+    frequency = parameters.wingbeat_frequency.value
+    chain = loop_chain(found.result.loop, frequency)
+    flight = None if analysis is None else flight_part(analysis)
+    figures = page_figures(found, chain, frequency) | ({} if flight is None else flight.figures)
     parameter_rows = tables.parameter_rows(parameters)
-    keys = ["review", *[row.source for row in parameter_rows if row.source]]
-    references = [cite(key) for key in dict.fromkeys(keys)]
+    cited = _references(parameter_rows, flight)
     environment = _environment()
     return environment.get_template("page.html").render(
         css=_css(environment),
@@ -84,7 +85,8 @@ def page(found: StabilityStudy, parameters: Parameters, origin: Provenance, flig
         reason=found.result.reason,
         proportional=proportional_sentence(found, parameters),
         figures=figures,
-        numbers={name: k + 1 for k, name in enumerate(drawn)},
+        numbers=_numbered([name for name in _FIGURES if name in figures or name == "diagram"]),
+        table=_table_numbers(flight),
         links=tables.link_rows(chain),
         parameter_rows=parameter_rows,
         derived_rows=tables.derived_rows(found, parameters, chain),
@@ -95,10 +97,30 @@ def page(found: StabilityStudy, parameters: Parameters, origin: Provenance, flig
         exact_pole=tables.exact_pole(found),
         exact_error=tables.exact_error(found),
         delay_check=tables.delay_check(found),
-        labels={reference.key: _LABELS.get(reference.key, reference.label) for reference in references},
-        references=references,
+        labels={reference.key: _LABELS.get(reference.key, reference.label) for reference in cited},
+        references=cited,
         flight=flight,
     )
+
+
+def _references(rows: list[tables.ParameterRow], flight: FlightPart | None) -> list[Reference]:
+    """Every reference that the page cites, in order of appearance."""
+    keys = ["review", *[row.source for row in rows if row.source]]
+    if flight is not None and flight.notes.get("source") in references():
+        keys.append(flight.notes["source"])
+    return [cite(key) for key in dict.fromkeys(keys)]
+
+
+def _numbered(names: list[str]) -> dict[str, int]:
+    return {name: number for number, name in enumerate(names, start=1)}
+
+
+def _table_numbers(flight: FlightPart | None) -> dict[str, int]:
+    """Numbers of the tables from the flight's on; those before it never change."""
+    present = [] if flight is None else ["plant"]
+    present += ["turns"] if flight is not None and flight.turns else []
+    present += ["conventions"] if flight is not None and flight.conventions else []
+    return {name: _FIXED_TABLES + number for name, number in _numbered([*present, "pade", "provenance"]).items()}
 
 
 def _environment() -> Environment:

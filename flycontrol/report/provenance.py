@@ -6,8 +6,11 @@ import platform
 from dataclasses import dataclass
 from importlib.metadata import version
 
+from flycontrol.identify.conventions import SEED
+from flycontrol.identify.flight import FlightAnalysis
 from flycontrol.model.parameters import Parameters
 
+_FLIGHT_SEED = f"{SEED} for the block bootstrap of the convention tests; nothing else is drawn at random"
 _MADE_WITH = ("flycontrol", "numpy", "scipy", "casadi", "control", "numba", "matplotlib")
 
 
@@ -22,17 +25,19 @@ class Provenance:
     recording: str | None  #: name of the recording
     recording_sha256: str | None
     versions: dict[str, str]  #: by package, Python first
-    seed: str = "none: nothing in this report is drawn at random"
+    seed: str  #: of anything drawn at random
 
 
-def provenance(parameters: Parameters, command: str, recording: str | None, recording_sha256: str | None) -> Provenance:
+def provenance(parameters: Parameters, command: str, analysis: FlightAnalysis | None) -> Provenance:
     """Gather it."""
+    recording = None if analysis is None else analysis.recording
     return Provenance(
         command=command,
         parameter_file=parameters.file,
         parameter_sha256=parameters.sha256,
         defaulted=parameters.defaulted,
-        recording=recording,
-        recording_sha256=recording_sha256,
+        recording=None if recording is None else recording.name,
+        recording_sha256=None if recording is None else recording.source_sha256,
         versions={"Python": platform.python_version()} | {name: version(name) for name in _MADE_WITH},
+        seed="none: nothing in this report is drawn at random" if recording is None else _FLIGHT_SEED,
     )

@@ -13,9 +13,11 @@ from dataclasses import asdict
 from typing import Any
 
 from flycontrol.delay.system import ComplexArray
+from flycontrol.identify.flight import FlightAnalysis
 from flycontrol.model.gains import ChosenGains
 from flycontrol.model.parameters import Parameters
 from flycontrol.model.study import StabilityStudy
+from flycontrol.report.flight_result import FLIGHT_FIELDS, flight_fields
 from flycontrol.report.provenance import Provenance
 from flycontrol.report.verdict import verdict
 from flycontrol.units import deg, ms
@@ -87,17 +89,19 @@ FIELDS: dict[str, str] = {
 }
 
 
-def result_json(study: StabilityStudy, parameters: Parameters, origin: Provenance, flight: Any = None) -> str:
+def result_json(
+    study: StabilityStudy, parameters: Parameters, origin: Provenance, analysis: FlightAnalysis | None = None
+) -> str:
     """Write everything as JSON, keys sorted, floats at full precision.
 
     Parameters
     ----------
-    flight
-        Fields of a real flight, added under `flight`; None when no recording was given.
+    analysis
+        Of a real flight, added under `flight`; None when no recording was given.
     """
     said = verdict(study, parameters)
     found: dict[str, Any] = {
-        "fields": FIELDS,
+        "fields": FIELDS | (FLIGHT_FIELDS if analysis is not None else {}),
         "fly": parameters.name,
         "verdict": said.word,
         "sentences": list(said.sentences),
@@ -123,8 +127,8 @@ def result_json(study: StabilityStudy, parameters: Parameters, origin: Provenanc
         "cross_checks": _cross_checks(study),
         "provenance": asdict(origin),
     }
-    if flight is not None:
-        found["flight"] = flight
+    if analysis is not None:
+        found["flight"] = flight_fields(analysis)
     return json.dumps(finite(found), indent=1, sort_keys=True, allow_nan=False, ensure_ascii=False) + "\n"
 
 

@@ -105,8 +105,8 @@ def svg(figure: Figure, name: str, title: str) -> str:
     text = _with_prefix(text, name)
     text = re.sub(r"<[^>]+>", lambda tag: re.sub(r"-?\d+\.\d{3,}", _rounded, tag[0]), text)
     _, _, body = text.partition(">")
-    box = f"0 0 {figure.get_figwidth() * 72:g} {figure.get_figheight() * 72:g}"
-    return f'<svg viewBox="{box}" preserveAspectRatio="xMinYMid" role="img" aria-label="{_attribute(title)}">{body.strip()}'
+    box = f'viewBox="0 0 {figure.get_figwidth() * 72:g} {figure.get_figheight() * 72:g}" preserveAspectRatio="xMinYMid"'
+    return f'<svg {box} role="img" aria-label="{_attribute(title)}">{body.strip()}'
 
 
 def _with_prefix(text: str, name: str) -> str:

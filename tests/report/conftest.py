@@ -45,7 +45,7 @@ def unstable_parameters(parameters):
 
 @pytest.fixture(scope="session")
 def origin(parameters):
-    return provenance(parameters, "flycontrol report", None, None)
+    return provenance(parameters, "flycontrol report", None)
 
 
 @pytest.fixture(scope="session")

@@ -1,44 +1,19 @@
-import json
-
 import numpy as np
 import pytest
+from outline import leaves, read_json
 
 from flycontrol.report.result import FIELDS, result_json
 from flycontrol.units import deg, ms
 
-OPEN = {"parameters", "versions"}  #: names below these are the user's or the packages'
-VARIANTS = {"proportional", "proportional_derivative"}  #: of a damping row
-
-
-def read(text):
-    def refuse(constant):
-        raise AssertionError(f"{constant} is no JSON")
-
-    return json.loads(text, parse_constant=refuse)
-
-
-def leaves(value, path=""):
-    """Paths of all numbers and words: lists as [], names that vary as *."""
-    if isinstance(value, dict):
-        for key, item in value.items():
-            last = path.rpartition(".")[2]
-            varies = last in OPEN or (last == "damping_table[]" and key in VARIANTS)
-            yield from leaves(item, f"{path}.{'*' if varies else key}".lstrip("."))
-    elif isinstance(value, list):
-        for item in value:
-            yield from leaves(item, f"{path}[]")
-    else:
-        yield path
-
 
 @pytest.fixture(scope="module")
 def found(stable, parameters, origin):
-    return read(result_json(stable, parameters, origin))
+    return read_json(result_json(stable, parameters, origin))
 
 
 @pytest.fixture(scope="module")
 def found_unstable(unstable, unstable_parameters, origin):
-    return read(result_json(unstable, unstable_parameters, origin))
+    return read_json(result_json(unstable, unstable_parameters, origin))
 
 
 def test_every_field_is_documented_and_every_documented_field_exists(found):
@@ -86,6 +61,6 @@ def test_infinite_margins_become_null(stable, parameters, origin):
 
     margins = replace(stable.result.margins, gain_margin=np.inf, modulus_frequency=np.inf)
     endless = replace(stable, result=replace(stable.result, margins=margins))
-    found = read(result_json(endless, parameters, origin))
+    found = read_json(result_json(endless, parameters, origin))
     assert found["margins"]["gain_margin"] is None
     assert found["margins"]["modulus_frequency_rad_per_s"] is None
