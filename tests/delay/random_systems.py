@@ -12,7 +12,7 @@ drawn_alike = settings(derandomize=True, deadline=None, max_examples=60)
 def random_system(
     seed: int, states: int = 3, delays: int = 2, inputs: int = 1, outputs: int = 1, *, chained: bool = False
 ) -> DelayLTI:
-    """Random retarded system with rates about 1/s and delays of 0.05 to 1.5 s; `chained` lets delays feed later ones."""
+    """Random retarded system, rates about 1/s, delays 0.05 to 1.5 s; `chained` lets delays feed later ones."""
     rng = np.random.default_rng(seed)
     n, q, m, p = states, delays, inputs, outputs
     forward = np.triu(rng.normal(size=(q, q)), 1) if chained else np.zeros((q, q))  # nilpotent: no loop of delays alone
@@ -32,6 +32,6 @@ def random_systems(*, states: int = 4, delays: int = 3, inputs: int = 1, outputs
 
 
 def random_points(seed: int, count: int = 6) -> np.ndarray:
-    """Complex frequencies [1/s] in a strip around the imaginary axis, where no random system has a pole but by chance."""
+    """Complex frequencies [1/s] around the imaginary axis, where no random system has a pole but by chance."""
     rng = np.random.default_rng(seed)
     return rng.normal(size=count) + 3j * rng.normal(size=count)

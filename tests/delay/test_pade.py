@@ -106,7 +106,7 @@ def test_an_order_that_is_no_positive_integer_is_refused(order):
 
 
 def test_a_state_space_of_a_delay_needs_an_order():
-    with pytest.raises(InvalidParameterError, match="has 1 delay.*give the order"):
+    with pytest.raises(InvalidParameterError, match=r"has 1 delay.*give the order"):
         to_statespace(delay(0.1))
 
 

@@ -93,13 +93,15 @@ def test_a_delay_shorter_than_every_time_constant_is_still_resolved():
 
 @pytest.mark.xfail(strict=True, reason="panels longer than the shortest delay read values not yet computed")
 def test_two_delays_in_series_are_one_delay_of_their_sum():
-    lag = delay_lti(A=[[-1.0]], B1=[[1.0]], C1=[[3.0]])
-    split = feedback(series(series(delay(0.3), delay(0.27)), lag))
-    whole = feedback(series(delay(0.57), lag))
-    assert split.D22.any()  # the chain of delays is kept as a chain
+    """x' = -x + 3 (1 - x)(t - 0.57), the delay once whole and once as a chain of 0.3 and 0.27."""
+    split = delay_lti(
+        A=[[-1.0]], B1=[[0.0]], B2=[[0.0, 3.0]], C1=[[1.0]], C2=[[-1.0], [0.0]], D21=[[1.0], [0.0]],
+        D22=[[0.0, 0.0], [1.0, 0.0]], tau=[0.3, 0.27],
+    )  # fmt: skip
+    whole = delay_lti(A=[[-1.0]], B1=[[0.0]], B2=[[3.0]], C1=[[1.0]], C2=[[-1.0]], D21=[[1.0]], tau=[0.57])
     t = np.linspace(0.0, 6.0, 101)
     np.testing.assert_allclose(
-        response(split, 6.0, inputs=[[1.0]])(t), response(whole, 6.0, inputs=[[1.0]])(t), atol=1e-12
+        response(split, 6.0, inputs=[[1.0]])(t), response(whole, 6.0, inputs=[[1.0]])(t), atol=1e-11
     )
 
 
