@@ -18,7 +18,8 @@ def fixed(value: float | None, digits: int = 1, unit: str = "") -> str:
         return ABSENT
     if math.isinf(value):
         return "unlimited"
-    return f"{value:.{digits}f}".replace("-", "−") + (f"\N{NO-BREAK SPACE}{unit}" if unit else "")
+    text = f"{round(value, digits) + 0.0:.{digits}f}"  # adding zero turns -0.0 into 0.0
+    return text.replace("-", "−") + (f"\N{NO-BREAK SPACE}{unit}" if unit else "")
 
 
 def significant(value: float | None, digits: int = 3, unit: str = "") -> str:

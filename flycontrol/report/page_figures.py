@@ -196,8 +196,8 @@ def _damping(study: StabilityStudy) -> PageFigure:
     row = own_row(study)
     need = study.proportional_suffices_from
     at_own = "" if row is None else (
-        f"At this fly's damping the best P needs {milliseconds(row.proportional.recovery_time)} and the best PD with "
-        f"modulus margin of at least 0.5 {milliseconds(row.derivative.recovery_time)}. "
+        f"At this fly's damping the best P needs {milliseconds(row.proportional.recovery_time)}, and the best PD with "
+        f"a modulus margin of at least 0.5 needs {milliseconds(row.derivative.recovery_time)}. "
     )  # fmt: skip
     enough = "" if need is None else f"P alone meets {milliseconds(study.deadline, 0)} from β/I = {need:.0f} 1/s on."
     own = study.result.loop.plant.damping_rate

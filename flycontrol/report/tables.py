@@ -24,8 +24,8 @@ _NAMES: dict[str, tuple[str, str]] = {
     "pulse_duration": ("pulse duration", ""),
     "pulse_peak": ("peak deflection of the nominal pulse", "ψ<sub>max</sub>"),
     "tolerance": ("half width of the recovery band", ""),
-    "damping_low": ("lowest published damping", "β/<i>I</i>"),
-    "damping_high": ("highest published damping", "β/<i>I</i>"),
+    "damping_low": ("low end of the damping range", "β/<i>I</i>"),
+    "damping_high": ("high end of the damping range", "β/<i>I</i>"),
 }
 
 

@@ -141,7 +141,7 @@ def _recovery_finding(study: StabilityStudy, frequency: float) -> Finding:
     return Finding(
         quantity=name, value=milliseconds(result.recovery_time),
         meaning=f"{fixed(result.recovery_time * frequency, 1)} wingbeats; {kept} the {milliseconds(study.deadline, 0)} "
-        "in which real flies recover",
+        "of the published flies",
     )  # fmt: skip
 
 
@@ -162,9 +162,9 @@ def proportional_sentence(study: StabilityStudy, parameters: Parameters) -> str:
     if need is None:
         return f"{met}no damping that was searched makes it just meet {deadline}"
     if need > high:
-        where = f"above the published {low:.0f} to {high:.0f}"
+        where = f"above the range of {low:.0f} to {high:.0f} 1/s"
     elif need < low:
-        where = f"below the published {low:.0f} to {high:.0f}"
+        where = f"below the range of {low:.0f} to {high:.0f} 1/s"
     else:
-        where = f"inside the published {low:.0f} to {high:.0f}"
+        where = f"inside the range of {low:.0f} to {high:.0f} 1/s"
     return f"{met}to meet it takes a yaw damping β/I of at least {need:.0f} 1/s, {where}"

@@ -22,13 +22,22 @@ FLIGHTS = ("20121009_S0003", "20121120_S0001", "20121128_S0003")
 
 
 @pytest.fixture(scope="module", params=FLIGHTS)
-def analysis(request, real_data, parameters):
-    recording = read_recording(real_data / "muijres_freeflight" / f"{request.param}.txt", "muijres_freeflight")
+def analysis(request, real_data):
+    return analysed(real_data, request.param)
+
+
+@pytest.fixture(scope="module")
+def one_analysis(real_data):
+    return analysed(real_data, FLIGHTS[2])
+
+
+def analysed(folder, name):
+    recording = read_recording(folder / "muijres_freeflight" / f"{name}.txt", "muijres_freeflight")
     table = read_morphology_table("drosophila_hydei")
     return analyse_flight(recording, morphology_from_table(table, species="Drosophila hydei", wingbeat_frequency=189.0))
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def whole_page(stable, parameters, analysis):
     return page(stable, parameters, provenance(parameters, "flycontrol report", analysis), analysis)
 
@@ -72,16 +81,20 @@ def test_its_numbers_are_documented_and_finite(stable, parameters, analysis):
     assert found["provenance"]["recording_sha256"] == analysis.recording.source_sha256
 
 
-def test_a_hostile_recording_name_is_never_markup(stable, parameters, analysis):
-    hostile = replace(analysis, recording=replace(analysis.recording, name="<script>alert(1)</script>"))
+def test_a_hostile_recording_name_is_never_markup(stable, parameters, one_analysis):
+    hostile = replace(one_analysis, recording=replace(one_analysis.recording, name="<script>alert(1)</script>"))
     written = page(stable, parameters, provenance(parameters, "flycontrol report", hostile), hostile)
     assert "<script" not in written
     assert "<script>alert(1)</script>" in Outline(written).text
 
 
-def test_a_flight_without_turns_and_without_a_plant_still_gets_a_page(stable, parameters, analysis):
-    poor = replace(analysis.turning, plant=None, plant_with_coupling=None, turns=(), status="5 wingbeats are too few.")
-    bare = replace(analysis, turning=poor, conventions=None, blade_elements=None, torque=None, verdicts=("Too few.",))
+def test_a_flight_without_turns_and_without_a_plant_still_gets_a_page(stable, parameters, one_analysis):
+    poor = replace(
+        one_analysis.turning, plant=None, plant_with_coupling=None, turns=(), status="5 wingbeats are too few."
+    )
+    bare = replace(
+        one_analysis, turning=poor, conventions=None, blade_elements=None, torque=None, verdicts=("Too few.",)
+    )
     origin = provenance(parameters, "flycontrol report", bare)
     text = Outline(page(stable, parameters, origin, bare)).text
     assert "5 wingbeats are too few." in text

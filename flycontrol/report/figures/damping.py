@@ -31,14 +31,14 @@ def p_against_pd(rows: Sequence[DampingRow], deadline: float, suffices_from: flo
     b = [row.b for row in rows]
     p = {**PADE_LINE, "linewidth": 1.2, "marker": "o", "markersize": 5}
     pd = {**EXACT_LINE, "linewidth": 1.2, "marker": "s", "markersize": 5}
-    left.plot(b, [row.proportional.recovery_time / ms for row in rows], **p)
-    left.plot(b, [row.derivative.recovery_time / ms for row in rows], **pd)
-    right.plot(b, [row.proportional.modulus_margin for row in rows], **p, label="best P")
-    right.plot(b, [row.derivative.modulus_margin for row in rows], **pd, label="best PD")
-    left.annotate("best P", (b[1], rows[1].proportional.recovery_time / ms), xytext=(8, 6), textcoords="offset points")
-    left.annotate("best PD", (b[1], rows[1].derivative.recovery_time / ms), xytext=(4, -14), textcoords="offset points")
+    left.plot(b, [row.proportional.recovery_time / ms for row in rows], **p, label="best P")
+    left.plot(b, [row.derivative.recovery_time / ms for row in rows], **pd, label="best PD")
+    right.plot(b, [row.proportional.modulus_margin for row in rows], **p)
+    right.plot(b, [row.derivative.modulus_margin for row in rows], **pd)
     left.axhline(deadline / ms, color=MARK, linewidth=0.9)
-    left.text(b[0], deadline / ms - 1.2, f"{deadline / ms:.0f} ms", color=MARK, va="top")
+    left.annotate(
+        f"{deadline / ms:.0f} ms", (b[0], deadline / ms), xytext=(8, 2), textcoords="offset points", color=MARK
+    )
     if suffices_from is not None:
         left.plot(suffices_from, deadline / ms, "D", color=MARK, markersize=6)
         left.annotate(
@@ -52,5 +52,5 @@ def p_against_pd(rows: Sequence[DampingRow], deadline: float, suffices_from: flo
     left.annotate("this fly", (own, 0), xytext=(3, 4), textcoords="offset points", color=QUIET)
     left.set_ylabel("recovery time [ms]")
     right.set_ylabel("modulus margin [1]")
-    right.legend(loc="lower right")
+    left.legend(loc="lower right")
     return figure

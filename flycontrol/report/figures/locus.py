@@ -112,17 +112,26 @@ def _label_values(ax: Axes, locus: RootLocus, reading: LocusReading, end: comple
     """Dots and values along the branch that carries the dominant pair."""
     pair = max(locus.branches, key=lambda branch: _dominance(branch, locus.values, reading.own))
     low, high = ax.get_ylim()
-    written = [end, _along(pair, locus.values, reading.own)]
+    marked = [end, _along(pair, locus.values, reading.own)]
+    written: list[complex] = []
     for value in reading.labels:
         root = _along(pair, locus.values, value)
         inside = np.isfinite(root.real) and low < root.imag < high and ax.get_xlim()[0] < root.real < ax.get_xlim()[1]
-        if not inside or root.imag < 0.04 * high or min(abs(root - other) for other in written) < 0.07 * high:
+        if not inside or root.imag < 0.04 * high or any(abs(root - mark) < 0.05 * high for mark in marked):
+            continue
+        if any(_near(ax, root, other) for other in written):
             continue
         written.append(root)
         ax.plot(root.real, root.imag, "o", color=EXACT, markersize=3)
         ax.annotate(
             _written(reading, value), (root.real, root.imag), xytext=(6, -2), textcoords="offset points", va="center"
         )
+
+
+def _near(ax: Axes, root: complex, other: complex) -> bool:
+    """Whether texts beside two roots could overlap."""
+    (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
+    return abs(root.imag - other.imag) < 0.06 * (high - low) and abs(root.real - other.real) < 0.25 * (right - left)
 
 
 def _dominance(branch: ComplexArray, values: FloatArray, own: float) -> float:
