@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from random_systems import random_system
 
 from flycontrol.delay.certificate import (
     certify_interval,
@@ -19,12 +20,11 @@ from flycontrol.delay.certificate import (
 from flycontrol.delay.certificate.certify import certify
 from flycontrol.delay.certificate.definite import definiteness
 from flycontrol.delay.certificate.functional import dissipation, readings, storage
-from flycontrol.delay.certificate.signals import delayed_signals
+from flycontrol.delay.certificate.history import delayed_signals
 from flycontrol.delay.interconnect import delay, feedback, series
 from flycontrol.delay.spectrum import rightmost_roots
 from flycontrol.delay.system import characteristic_matrix, delay_lti
 from flycontrol.errors import InvalidParameterError, NeutralSystemError, UnstableSystemError
-from random_systems import random_system
 
 slow = pytest.mark.slow
 
@@ -63,21 +63,28 @@ def with_delay(system, h):
 # ---- the published bounds ----
 
 
-@pytest.mark.parametrize(("order", "bound_ms", "digit"), [(0, 26.61, 0.01), (1, 30.20, 0.01), (2, 30.272, 1e-3)])
+BOUNDS_MS = [(1, 30.20, 0.01), (2, 30.272, 1e-3), (3, 30.2732, 1e-4)]  # order, bound, its last digit
+
+
+@pytest.mark.parametrize(
+    ("order", "bound_ms", "digit"), [(0, 26.61, 0.01), *[pytest.param(*bound, marks=slow) for bound in BOUNDS_MS]]
+)
 def test_bounds_of_the_benchmark_loop_with_the_whole_state_remembered(order, bound_ms, digit):
     found = largest_certified_delay(two_sensor_loop(), order, full_history=True)
     assert found.proved
     assert 1e3 * found.high == pytest.approx(bound_ms, abs=0.5 * digit)
 
 
-@pytest.mark.parametrize(("order", "bound_ms", "digit"), [(1, 30.20, 0.01), (2, 30.272, 1e-3), (3, 30.2732, 1e-4)])
+@pytest.mark.parametrize(("order", "bound_ms", "digit"), BOUNDS_MS)
 def test_one_delayed_signal_gives_the_same_bounds_from_order_1_on(order, bound_ms, digit):
     found = largest_certified_delay(two_sensor_loop(), order)
     assert found.pieces[0].signals.sizes == (1,)
     assert 1e3 * found.high == pytest.approx(bound_ms, abs=0.5 * digit)
 
 
-@pytest.mark.parametrize(("order", "bound"), [(0, 4.4721), (1, 6.0593), (2, 6.1689), (3, 6.1725)])
+@pytest.mark.parametrize(
+    ("order", "bound"), [(0, 4.4721), (3, 6.1725), *[pytest.param(*p, marks=slow) for p in [(1, 6.0593), (2, 6.1689)]]]
+)
 def test_bounds_of_the_standard_example(order, bound):
     assert largest_certified_delay(standard_example(), order).high == pytest.approx(bound, abs=5e-5)
 
@@ -291,6 +298,19 @@ def test_a_solver_calls_an_impossible_delay_feasible_and_the_check_does_not(solv
     assert not all(check.proved for check in check_matrices(claimed))
 
 
+def test_a_solver_that_gives_no_matrices_proves_nothing():
+    certificate = stability_certificate(two_sensor_loop(), 1, solver="OSQP")  # knows no semidefinite programs
+    assert not certificate.proved
+    assert "no matrices" in certificate.status
+
+
+def test_coupling_between_different_delays_does_not_count():
+    system = delay_lti(A=[[-1.0]], B1=[[1]], B2=[[-1.0, -1.0]], C1=[[1]], C2=[[1], [1]], tau=[0.3, 0.7])
+    certificate = stability_certificate(system, 1)
+    coupled = replace(certificate, S=certificate.S + np.array([[0, 10], [10, 0]]))
+    assert check_matrices(coupled) == certificate.checks
+
+
 def test_the_check_needs_nothing_but_the_matrices():
     certificate = stability_certificate(two_sensor_loop(), 2)
     assert check_matrices(certificate) == certificate.checks
@@ -336,13 +356,13 @@ def check_against_the_spectrum(system):
         assert first_crossing is not None, "order 3 should come within a quarter of the exact bound"
 
 
-@pytest.mark.parametrize("index", range(4))
+@pytest.mark.parametrize("index", range(2))
 def test_no_certified_delay_exceeds_the_exact_bound_on_a_few_random_loops(index):
-    check_against_the_spectrum(loops_stable_without_delay(4)[index])
+    check_against_the_spectrum(loops_stable_without_delay(2)[index])
 
 
 @slow
-@pytest.mark.parametrize("index", range(4, 40))
+@pytest.mark.parametrize("index", range(2, 40))
 def test_no_certified_delay_exceeds_the_exact_bound_on_random_loops(index):
     check_against_the_spectrum(loops_stable_without_delay(40)[index])
 
@@ -403,6 +423,7 @@ def test_several_delays_are_certified_as_they_are():
     system = delay_lti(A=[[-1.0]], B1=[[1]], B2=[[-1.0, -1.0]], C1=[[1]], C2=[[1], [1]], tau=[0.3, 0.7])
     certificate = stability_certificate(system, 3)
     assert certificate.proved
+    assert "delays of 0.3 and 0.7 s" in certificate.status
     assert certificate.S.shape == (2, 2)
     assert certificate.S[0, 1] == 0  # signals of different delays are not coupled
     with pytest.raises(InvalidParameterError, match="one delay"):
@@ -414,6 +435,12 @@ def test_a_loop_stable_for_any_delay_is_certified_to_the_end_of_the_search():
     found = largest_certified_delay(always_stable, 1, up_to=50.0)
     assert found.high == 50.0
     assert "search ended" in found.status
+
+
+def test_a_search_that_starts_where_the_order_proves_nothing_says_so():
+    found = largest_certified_delay(window(), 0, low=0.2, tolerance=1e-2)  # Jensen's inequality needs stability at 0
+    assert not found.proved
+    assert "proves nothing" in found.status
 
 
 # ---- delayed signals ----
@@ -454,7 +481,7 @@ def test_a_root_at_the_origin_rules_a_certificate_out():
     drifting = delay_lti(
         A=np.zeros((2, 2)), B1=[[1], [0]], B2=[[-1], [0]], C1=[[1, 0]], C2=[[1, 0]], tau=0.5
     )  # a second state that nothing moves
-    with pytest.raises(UnstableSystemError, match="closed right half plane"):
+    with pytest.raises(UnstableSystemError, match="on the imaginary axis"):
         stability_certificate(drifting)
 
 
@@ -488,6 +515,11 @@ def test_an_order_that_is_no_number_of_projections_is_refused(order):
 def test_an_impossible_interval_is_refused(low, high):
     with pytest.raises(InvalidParameterError, match="0 <= low < high"):
         certify_interval(delayed_integrator(), low, high)
+
+
+def test_a_search_without_room_is_refused():
+    with pytest.raises(InvalidParameterError, match="low < up_to"):
+        largest_certified_delay(delayed_integrator(), low=0.5, up_to=0.5)
 
 
 def test_an_unknown_solver_is_refused():
