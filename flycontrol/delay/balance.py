@@ -16,9 +16,11 @@ def balance(system: DelayLTI) -> DelayLTI:
     _, (scale, _) = scipy.linalg.matrix_balance(weight, permute=False, separate=True)
     s = np.asarray(scale, dtype=np.float64)
     x = system
-    channel = np.maximum(np.abs(x.B2 / s[:, None]).max(axis=0, initial=0.0), 1e-300)
-    reading = np.maximum(np.abs(x.C2 * s).max(axis=1, initial=0.0), 1e-300)
-    c = np.sqrt(reading / channel)  # delayed signals in units that make entry and exit of a channel alike
+    entry = np.abs(x.B2 / s[:, None]).max(axis=0, initial=0.0)
+    reading = np.abs(x.C2 * s).max(axis=1, initial=0.0)
+    both = (entry > 0) & (reading > 0)
+    # delayed signals in units that make entry and exit of a channel alike; a link in a chain of delays keeps its own
+    c = np.sqrt(np.divide(reading, entry, out=np.ones_like(entry), where=both))
     return DelayLTI(
         x.A * s / s[:, None], x.B1 / s[:, None], x.B2 * c / s[:, None], x.C1 * s, x.C2 * s / c[:, None],
         x.D11, x.D12 * c, x.D21 / c[:, None], x.D22 * c / c[:, None], x.tau,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -25,6 +25,7 @@ class Spectrum:
     errors: FloatArray  #: estimated error of each root: its last Newton step [1/s]
     line: float  #: every root with Re s > line is listed, if `status` is "certified" [1/s]
     nodes: int  #: collocation nodes of the longest delay; 0 without delays
+    #: "certified, with fewer roots than asked: ..." when the others lie beyond what collocation resolves
     status: str  #: "certified", "not certified", "a root too near the line", or "not counted" without `certify`
 
     @property
@@ -58,9 +59,11 @@ def rightmost_roots(system: DelayLTI, count: int = 10, *, certify: bool = True) 
     nodes = max(8 + count, _nodes_for(root_bound(balanced, 0.0) * balanced.tau.max()))
     while True:
         found = _spectrum_with(balanced, nodes, count, certify)
-        complete = found.status != "not certified" and len(found.roots) >= min(count, _most_roots(system, count))
-        if complete or nodes >= _MOST_NODES or (found.status == "certified" and nodes > 40 + 10 * count):
+        enough = len(found.roots) >= min(count, _most_roots(system, count))
+        if (found.status != "not certified" and enough) or nodes >= _MOST_NODES:
             return found
+        if found.status == "certified" and nodes > 40 + 10 * count:
+            return replace(found, status="certified, with fewer roots than asked: the rest lie far left, unresolved")
         nodes = min(_MOST_NODES, nodes + nodes // 2)
 
 

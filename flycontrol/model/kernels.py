@@ -32,14 +32,33 @@ def recovery_times(b, kp, kd, delay, duration, ratio, horizon, rule):
 
 
 @numba.njit(cache=True)
+def _distance(b, kp, kd, delay, w):
+    """|1 + (kp + kd j w) exp(-j w T) / (j w (j w + b))|^2."""
+    value = 1.0 + (kp + 1j * w * kd) * np.exp(-1j * w * delay) / (1j * w * (1j * w + b))
+    return value.real * value.real + value.imag * value.imag
+
+
+@numba.njit(cache=True)
 def modulus_margins(b, kp, kd, delay, grid):
-    """min over the grid of s = j w of |1 + (kp + kd s) exp(-s T) / (s (s + b))| for gains kp, kd (k,)."""
+    """Modulus margins for gains kp, kd (k,): the nearest point to -1 on a grid of w, refined by golden section."""
     margins = np.empty(len(kp))
     turn = np.exp(-1j * grid * delay) / (1j * grid * (1j * grid + b))
+    ratio = 0.6180339887498949
     for k in range(len(kp)):
-        best = 1.0
+        best, where = 1.0, -1
         for i in range(len(grid)):
             value = 1.0 + (kp[k] + 1j * grid[i] * kd[k]) * turn[i]
-            best = min(best, value.real * value.real + value.imag * value.imag)
+            distance = value.real * value.real + value.imag * value.imag
+            if distance < best:
+                best, where = distance, i
+        if 0 < where < len(grid) - 1:
+            low, high = grid[where - 1], grid[where + 1]
+            for _ in range(40):
+                left, right = high - ratio * (high - low), low + ratio * (high - low)
+                if _distance(b, kp[k], kd[k], delay, left) < _distance(b, kp[k], kd[k], delay, right):
+                    high = right
+                else:
+                    low = left
+            best = min(best, _distance(b, kp[k], kd[k], delay, 0.5 * (low + high)))
         margins[k] = np.sqrt(best)
     return margins

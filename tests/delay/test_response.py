@@ -82,7 +82,6 @@ def test_two_delays_without_a_common_measure_agree_with_the_method_of_steps():
     np.testing.assert_allclose(response(system, 6.0, *pulse)(t), exact, atol=1e-11)
 
 
-@pytest.mark.xfail(strict=True, reason="panels longer than the shortest delay read values not yet computed")
 def test_a_delay_shorter_than_every_time_constant_is_still_resolved():
     # x' = -(x(t - 1) + x(t - 0.37)) / 10: nothing but the delays asks for steps below 5 s
     system = delay_lti(A=[[0.0]], B1=[[0.0]], B2=[[-0.1, -0.1]], C1=[[1.0]], C2=[[1.0], [1.0]], tau=[1.0, 0.37])
@@ -91,7 +90,6 @@ def test_a_delay_shorter_than_every_time_constant_is_still_resolved():
     np.testing.assert_allclose(response(system, 14.0, initial_state=[1.0])(t), exact, atol=1e-11)
 
 
-@pytest.mark.xfail(strict=True, reason="panels longer than the shortest delay read values not yet computed")
 def test_two_delays_in_series_are_one_delay_of_their_sum():
     """x' = -x + 3 (1 - x)(t - 0.57), the delay once whole and once as a chain of 0.3 and 0.27."""
     split = delay_lti(
@@ -105,7 +103,6 @@ def test_two_delays_in_series_are_one_delay_of_their_sum():
     )
 
 
-@pytest.mark.xfail(strict=True, reason="panels longer than the shortest delay read values not yet computed")
 def test_a_constant_history_that_is_an_equilibrium_stays_one_through_a_chain_of_delays():
     # x' = -x + w2, w2(t) = w1(t - 0.4), w1(t) = x(t - 0.3): every constant is an equilibrium
     system = delay_lti(
@@ -137,7 +134,6 @@ def test_responses_superpose(seed, one, other):
     np.testing.assert_allclose(to(one, other), together, atol=1e-11 * (1 + np.abs(together).max()))
 
 
-@pytest.mark.xfail(strict=True, reason="an extremum within half a cell of a cell's edge is missed")
 def test_the_largest_value_is_the_largest_extremum_of_the_response():
     loop = feedback(series(delay(0.21), delay_lti(A=[[0.0, 1.0], [0.0, -1.0]], B1=[[0.0], [1.0]], C1=[[2.0, 0.5]])))
     whole = response(loop, 20.0, [0.0, 0.37], [[1.0], [0.0]])

@@ -51,7 +51,6 @@ def test_the_fastest_pd_with_a_modulus_margin_of_a_half_recovers_in_50_ms():
     assert best.modulus_margin > 0.5 - 1e-3  # the search reads |1 + L| from a grid
 
 
-@pytest.mark.xfail(strict=True, reason="the search's frequency grid overestimates the modulus margin by 6e-5")
 def test_a_required_modulus_margin_is_kept():
     assert fastest_pd(B, T, TASK, modulus_margin=0.5).modulus_margin >= 0.5
 

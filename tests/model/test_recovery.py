@@ -112,18 +112,7 @@ def test_recovery_is_the_last_sample_outside_of_a_dense_independent_response(kp,
     assert last <= found <= last + 0.16 / 32_000
 
 
-missed = pytest.mark.xfail(strict=True, reason="a peak close to the edge of a search cell is missed by 1e-5")
-
-
-@pytest.mark.parametrize(
-    ("kp", "kd"),
-    [
-        pytest.param(3050.0, 45.0, marks=missed),
-        (3523.0, 64.0),
-        pytest.param(1500.0, 0.0, marks=missed),
-        pytest.param(900.0, 20.0, marks=missed),
-    ],
-)
+@pytest.mark.parametrize(("kp", "kd"), [(3050.0, 45.0), (3523.0, 64.0), (1500.0, 0.0), (900.0, 20.0)])
 def test_the_pulse_for_a_peak_peaks_there(kp, kd):
     pulse = pulse_for_peak(loop(kp, kd), PULSE, 20 * deg)
     near = pulse_response(loop(kp, kd).closed_loop(), pulse, 0.06)(np.linspace(0.0, 0.06, 600_001))[0]

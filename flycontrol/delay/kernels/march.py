@@ -204,7 +204,10 @@ def march(blocks, edges, inputs, x0, z0, end, rule):
     nodes, weights, K, to_series, reach = rule
     n, q, p, s = A.shape[0], len(tau), C1.shape[0], len(nodes)
     breaks = breakpoints(edges, tau, end, 8)
-    starts, lengths = panels(breaks, min(end, reach / max(rate_scale(A, B2, C2), 1e-300)))
+    longest = min(end, reach / max(rate_scale(A, B2, C2), 1e-300))
+    for delay in tau:  # a panel reads delayed values from panels before it, never from itself
+        longest = min(longest, delay)
+    starts, lengths = panels(breaks, longest)
     inverses, kind = _inverses(A, lengths, K)
     P = len(starts)
     x = x0.copy()
@@ -255,46 +258,57 @@ def sample(starts, lengths, series, times):
 
 
 @numba.njit(cache=True)
+def _slope(series, slope):
+    """Chebyshev coefficients of the derivative with respect to x."""
+    degree = len(series) - 1
+    slope[degree] = 0.0
+    if degree >= 1:
+        slope[degree - 1] = 2.0 * degree * series[degree]
+    for k in range(degree - 1, 0, -1):
+        slope[k - 1] = slope[k + 1] + 2.0 * k * series[k]
+    slope[0] *= 0.5
+
+
+@numba.njit(cache=True)
+def _largest_between(series, slope, left, right):
+    """Where |y| is largest on a short interval: an end, or the extremum that a change of the slope's sign brackets."""
+    best = left if abs(clenshaw(series, left)) >= abs(clenshaw(series, right)) else right
+    sign = clenshaw(slope, left)
+    if sign * clenshaw(slope, right) < 0.0:
+        a, b = left, right
+        for _ in range(60):
+            middle = 0.5 * (a + b)
+            if clenshaw(slope, middle) * sign > 0.0:
+                a = middle
+            else:
+                b = middle
+        if abs(clenshaw(series, a)) > abs(clenshaw(series, best)):
+            best = a
+    return best
+
+
+@numba.njit(cache=True)
 def last_time_outside(starts, lengths, series, band):
     """Last time at which |y| > band for one output (P, s + 1); -1 when never, inf when still outside at the end."""
-    finest = 48
+    cells = 16
+    slope = np.empty(series.shape[1])
     for panel in range(len(starts) - 1, -1, -1):
         bound = 0.0
         for c in series[panel]:
             bound += abs(c)
         if bound <= band:
             continue
+        if abs(clenshaw(series[panel], 1.0)) > band:
+            return np.inf if panel == len(starts) - 1 else starts[panel] + lengths[panel]
+        _slope(series[panel], slope)
         right = 1.0
-        right_inside = abs(clenshaw(series[panel], 1.0)) <= band
-        if panel == len(starts) - 1 and not right_inside:
-            return np.inf
-        if not right_inside:
-            return starts[panel] + lengths[panel]
-        for k in range(finest - 1, -1, -1):
-            left = 2.0 * k / finest - 1.0
-            top = _peak_between(series[panel], left, right)
+        for k in range(cells - 1, -1, -1):
+            left = 2.0 * k / cells - 1.0
+            top = _largest_between(series[panel], slope, left, right)
             if abs(clenshaw(series[panel], top)) > band:
                 return starts[panel] + 0.5 * (1.0 + _crossing(series[panel], band, top, right)) * lengths[panel]
             right = left
     return -1.0
-
-
-@numba.njit(cache=True)
-def _peak_between(series, left, right):
-    """Where |y| is largest on a short interval: an end, or the vertex found by golden-section search."""
-    middle = 0.5 * (left + right)
-    ends = max(abs(clenshaw(series, left)), abs(clenshaw(series, right)))
-    if abs(clenshaw(series, middle)) > ends:
-        ratio = 0.6180339887498949
-        a, b = left, right
-        for _ in range(40):
-            c, d = b - ratio * (b - a), a + ratio * (b - a)
-            if abs(clenshaw(series, c)) > abs(clenshaw(series, d)):
-                b = d
-            else:
-                a = c
-        return 0.5 * (a + b)
-    return left if abs(clenshaw(series, left)) >= abs(clenshaw(series, right)) else right
 
 
 @numba.njit(cache=True)
@@ -313,15 +327,17 @@ def _crossing(series, band, outside, inside):
 def largest(starts, lengths, series):
     """Largest |y| of one output (P, s + 1) and its time."""
     best, when = -1.0, 0.0
-    finest = 8
+    cells = 8
+    slope = np.empty(series.shape[1])
     for panel in range(len(starts)):
         bound = 0.0
         for c in series[panel]:
             bound += abs(c)
         if bound <= best:
             continue
-        for k in range(finest):
-            top = _peak_between(series[panel], 2.0 * k / finest - 1.0, 2.0 * (k + 1) / finest - 1.0)
+        _slope(series[panel], slope)
+        for k in range(cells):
+            top = _largest_between(series[panel], slope, 2.0 * k / cells - 1.0, 2.0 * (k + 1) / cells - 1.0)
             value = abs(clenshaw(series[panel], top))
             if value > best:
                 best, when = value, starts[panel] + 0.5 * (1.0 + top) * lengths[panel]
