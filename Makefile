@@ -1,4 +1,5 @@
 # make report   set up .venv and write the stability report of the published fly
+# make reports  regenerate every committed example under reports/; flights where their data are
 # make test     set up .venv and run the fast tests
 # make test-all one pytest run, the slow tests included
 # make check    lint, format, types, layers, spelling
@@ -13,10 +14,19 @@ export NUMBA_CACHE_DIR := $(CURDIR)/.cache/numba
 export MPLCONFIGDIR := $(CURDIR)/.cache/matplotlib
 export PIP_CACHE_DIR := $(CURDIR)/.cache/pip
 
-.PHONY: report test test-all check format bench clean
+.PHONY: report reports test test-all check format bench clean
 
 report: $(VENV)/run.stamp
 	$(BIN)/flycontrol report --out reports/yaw
+
+DATA := $(or $(FLYCONTROL_DATA),../shared/data)
+FLIGHTS := $(notdir $(basename $(wildcard $(DATA)/muijres_freeflight/2*.txt)))
+
+reports: report
+	$(BIN)/python analyses/late_but_in_time.py
+	$(BIN)/python analyses/nominal_gains.py
+	for flight in $(FLIGHTS); do $(BIN)/flycontrol report --parameters drosophila_hydei --mapping muijres_freeflight \
+	  --recording $(DATA)/muijres_freeflight/$$flight.txt --out reports/flights/$$flight || exit 1; done
 
 test: $(VENV)/test.stamp
 	$(BIN)/python -m pytest
