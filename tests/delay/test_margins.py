@@ -73,7 +73,6 @@ def test_spending_the_gain_margin_puts_a_root_on_the_imaginary_axis(loop):
     assert on_the_imaginary_axis(feedback(scaled(pd_open(*loop), found.gain_margin))) < 1e-9
 
 
-@pytest.mark.xfail(strict=True, reason="a gain margin above 1 / floor is called infinite")
 def test_a_gain_margin_above_a_hundred_is_a_number():
     """Every loop with delay has one: its phase falls without end."""
     assert np.isfinite(margins(pd_open(1.0, 10.0, 1.0, 0.0121)).gain_margin)
@@ -87,7 +86,7 @@ def test_spending_the_gain_reduction_margin_puts_a_root_on_the_imaginary_axis():
     assert on_the_imaginary_axis(feedback(scaled(loop, found.gain_reduction_margin))) < 1e-9
 
 
-@drawn_alike
+@few
 @given(st.integers(0, 2**32 - 1), st.floats(0.2, 5.0))
 def test_whatever_loop_is_stable_loses_its_stability_with_its_delay_margin(seed, gain):
     loop = scaled(random_system(seed, 3, 1), gain)
@@ -156,7 +155,6 @@ def test_every_crossover_of_a_resonant_plant_with_delay_is_found(damping):
     assert found.phase_crossovers == pytest.approx(real, rel=1e-3 * damping + 1e-4)
 
 
-@pytest.mark.xfail(strict=True, reason="the refined grid starts from sixty points that know no pole or zero")
 @pytest.mark.parametrize("damping", [1e-3, 1e-4])
 def test_a_narrow_resonance_beside_its_antiresonance_is_not_stepped_over(damping):
     """Far from it the pair leaves neither size nor phase changed, so a coarse grid shows nothing at all."""
@@ -164,7 +162,7 @@ def test_a_narrow_resonance_beside_its_antiresonance_is_not_stepped_over(damping
     lag = control.tf([0.4], [1.0, 1.0])
     pair = control.tf([1.0, 2 * damping * zero, zero**2], [1.0, 2 * damping * pole, pole**2])
     loop = from_control(10.0 * lag * pair)
-    w = pole * (1 + np.linspace(-0.05, 0.05, 2_000_001))
+    w = pole * (1 + np.linspace(-0.05, 0.05, 400_001))
     crossings = w[:-1][np.diff(np.abs(evaluate(loop, w)) > 1)]
     assert len(crossings) >= 2
     found = margins(loop).gain_crossovers
@@ -175,10 +173,10 @@ def test_a_narrow_resonance_beside_its_antiresonance_is_not_stepped_over(damping
 def test_phase_crossovers_of_the_benchmark_loop_are_complete_above_the_floor():
     loop = pd_open()
     found = margins(loop, floor=0.01)
-    w = np.linspace(1.0, 2e4, 2_000_001)
+    w = np.linspace(1.0, 2e4, 400_001)
     L = evaluate(loop, w)
     dense = w[:-1][np.diff(L.imag > 0) & (L.real[:-1] < 0) & (np.abs(L[:-1]) > 0.01)]
-    assert found.phase_crossovers == pytest.approx(dense, abs=0.02)  # the grid's step
+    assert found.phase_crossovers == pytest.approx(dense, abs=0.1)  # twice the grid's step
     for omega in found.phase_crossovers:  # the phase condition itself: -wT - atan(b/w) ... = an odd multiple of pi
         angle = np.arctan2(KD * omega, KP) - omega * T - np.pi / 2 - np.arctan2(omega, B)
         assert np.cos(angle) == pytest.approx(-1.0, abs=1e-14)
