@@ -161,8 +161,15 @@ def _polish(system: DelayLTI, start: ComplexArray) -> tuple[ComplexArray, FloatA
             keep[k] = False
     roots, steps, paired = roots[keep], steps[keep], paired[keep]
     pairs = np.concatenate([roots, roots[paired].conj()])
+    errors = np.maximum(np.concatenate([steps, steps[paired]]), _cluster_size(pairs))
     order = _order(pairs)
-    return pairs[order], np.concatenate([steps, steps[paired]])[order]
+    return pairs[order], errors[order]
+
+
+def _cluster_size(roots: ComplexArray) -> FloatArray:
+    """Distance to the farthest root of the same tight cluster: none of them is known better than their spread."""
+    gaps = np.abs(roots[:, None] - roots[None, :])
+    return np.where(gaps < 1e-4 * np.abs(roots), gaps, 0.0).max(axis=0, initial=0.0)
 
 
 def _order(roots: ComplexArray) -> NDArray[np.intp]:

@@ -52,7 +52,8 @@ def largest_stable_delay(b: float, kp: float, kd: float) -> float:
             f"The closed form needs kp > 0 and b + kd > 0, got kp = {kp!r}, b + kd = {b + kd!r}."
         )
     excess = kd**2 - b**2
-    wc = np.sqrt((excess + np.hypot(excess, 2 * kp)) / 2)
+    size = np.hypot(excess, 2 * kp)
+    wc = np.sqrt((excess + size) / 2) if excess > 0 else kp * np.sqrt(2 / (size - excess))  # neither form cancels
     return float((np.arctan2(kd * wc, kp) + np.arctan2(b, wc)) / wc)
 
 
