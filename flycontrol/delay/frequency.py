@@ -7,13 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from flycontrol.delay.balance import balance, root_bound
+from flycontrol.delay.frequency_domain import FrequencyDomain, frequency_domain
+from flycontrol.delay.panels import kernel_blocks, transfer
 from flycontrol.delay.system import ComplexArray, DelayLTI, FloatArray
 from flycontrol.errors import InvalidParameterError
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FrequencyResponse:
-    """L(j w) on rising frequencies."""
+    """L(j w) on rising frequencies: magnitude and phase of Bode's diagram, and of Nichols's with one over the other."""
 
     omega: FloatArray  #: angular frequency [rad/s], shape (k,)
     value: ComplexArray  #: L(j omega), shape (k,)
@@ -22,6 +24,11 @@ class FrequencyResponse:
     def magnitude(self) -> FloatArray:
         """|L|, shape (k,)."""
         return np.abs(self.value)
+
+    @property
+    def decibels(self) -> FloatArray:
+        """20 log10 |L| [dB], shape (k,)."""
+        return 20.0 * np.log10(np.maximum(self.magnitude, 1e-300))
 
     @property
     def phase(self) -> FloatArray:
@@ -44,12 +51,18 @@ def require_siso(system: DelayLTI) -> None:
 
 
 def evaluate(system: DelayLTI, omega: FloatArray) -> ComplexArray:
-    """L(j omega) of a single-input single-output system, shape of omega [rad/s]."""
-    return system(1j * omega)[..., 0, 0]
+    """L(j omega) of a single-input single-output system, shape of omega [rad/s]; infinite at a pole on the axis."""
+    points = 1j * np.asarray(omega, dtype=np.float64)
+    return transfer(kernel_blocks(balance(system)), points.ravel())[0][:, 0, 0].reshape(points.shape)
 
 
-def frequency_response(system: DelayLTI, low: float, high: float, turn: float = 0.1) -> FrequencyResponse:
+def frequency_response(
+    system: DelayLTI, low: float | None = None, high: float | None = None, turn: float = 0.1
+) -> FrequencyResponse:
     """L(j w) from `low` to `high` [rad/s], refined until log L moves by less than `turn` between neighbours.
+
+    The grid starts from panels on which L is a polynomial, so that no resonance falls between its points. It leaves out
+    poles on the imaginary axis. Limits left out are those of `active_range`.
 
     Raises
     ------
@@ -57,31 +70,41 @@ def frequency_response(system: DelayLTI, low: float, high: float, turn: float = 
         If the system is not SISO or the range is empty.
     """
     require_siso(system)
+    it = frequency_domain(system)
+    lowest, highest = _active(it)
+    low, high = lowest if low is None else low, highest if high is None else high
     if not 0 < low < high:
         raise InvalidParameterError(f"A frequency range needs 0 < low < high rad/s, got {low!r} and {high!r}.")
-    omega = np.geomspace(low, high, 60)
-    value = evaluate(system, omega)
-    for _ in range(30):
+    between, pieces = it.stretches(low, high), it.panels(low, high)
+    even = np.geomspace(low, high, 60)
+    even = even[[any(a <= w <= b for a, b in between) for w in even]]
+    centre, half = pieces.centre.imag, pieces.half.imag
+    omega = np.unique(np.concatenate([even, centre - half, centre, centre + half]))
+    omega = omega[np.append(True, np.diff(omega) > 1e-9 * omega[1:])]
+    return _refined(it, omega, [b for _, b in between[:-1]], turn)
+
+
+def _refined(it: FrequencyDomain, omega: FloatArray, poles: list[float], turn: float) -> FrequencyResponse:
+    """Points added between neighbours apart by more than `turn`, but none across a pole."""
+    value = it.values(omega)[:, 0, 0]
+    for _ in range(40):
+        nonzero = np.where(value == 0, 1e-300, value)
+        step = np.abs(np.log(nonzero[1:] / nonzero[:-1]))
         gap = np.diff(omega)
-        logs = np.log(np.where(value == 0, 1e-300, value))
-        step = np.abs(logs[1:] - logs[:-1])
-        step = np.where(step > np.pi, np.hypot(np.diff(logs.real), np.angle(np.exp(1j * np.diff(logs.imag)))), step)
-        # a delay turns L by tau dw: without this bound a gap of a whole turn would look like no step at all
-        rough = np.flatnonzero(((step > turn) | (gap * system.tau.sum() > 0.5)) & (gap > 1e-9 * omega[1:]))
+        across = np.searchsorted(poles, omega[:-1] * (1 + 1e-9)) < np.searchsorted(poles, omega[1:] * (1 - 1e-9))
+        rough = np.flatnonzero((step > turn) & (gap > 1e-9 * omega[1:]) & ~across)
         if len(rough) == 0 or len(omega) > 200_000:
             break
         middle = np.sqrt(omega[rough] * omega[rough + 1])
         omega = np.insert(omega, rough + 1, middle)
-        value = np.insert(value, rough + 1, evaluate(system, middle))
+        value = np.insert(value, rough + 1, it.values(middle)[:, 0, 0])
     return FrequencyResponse(omega, value)
 
 
 def active_range(system: DelayLTI) -> tuple[float, float]:
     """Frequencies [rad/s] between which |L| can cross 1: from far below every rate to where a bound has |L| < 1."""
-    x = balance(system)
-    radius = max(root_bound(x, 0.0), 1e-12)
-    rates = np.abs(np.linalg.eigvals(x.A)) if x.n_states else np.zeros(0)
-    slowest = min([r for r in rates if r > 1e-9 * radius] + [1.0 / t for t in x.tau] + [radius])
-    growth = np.linalg.norm(x.B1) + np.linalg.norm(x.B2) * np.linalg.norm(x.D21)
-    reading = np.linalg.norm(x.C1) + np.linalg.norm(x.D12) * np.linalg.norm(x.C2)
-    return 1e-5 * slowest, 2.0 * radius + 2.0 * float(growth * reading)
+    return _active(frequency_domain(system))
+
+
+def _active(it: FrequencyDomain) -> tuple[float, float]:
+    return 1e-5 * it.slowest_rate(), max(2.0 * root_bound(it.system, 0.0), it.far.beyond(1.0))
