@@ -10,8 +10,13 @@ TOO_NEAR, NOT_COUNTED = -1, -2
 
 @numba.njit(cache=True)
 def scale(A, B2, C2, D22):
-    """Scale states and delayed signals to each other, in place: by powers of two, so that nothing is rounded."""
+    """Scale states and delayed signals to each other, in place: by powers of two, so that nothing is rounded.
+
+    Returns the factors of the states (n,) and of the delayed signals (q,): A_ij f_i / f_j, B2_ic f_i g_c,
+    C2_cj / (g_c f_j), D22_cd g_d / g_c.
+    """
     n, q = B2.shape
+    states, signals = np.ones(n), np.ones(q)
     weight = np.abs(A)
     for a in range(n):
         for b in range(n):
@@ -29,6 +34,7 @@ def scale(A, B2, C2, D22):
             factor = 2.0 ** np.round(0.5 * np.log2(column / row))
             if factor != 1.0:
                 settled = False
+                states[i] *= factor
                 for M in (weight, A):
                     M[i] *= factor
                     M[:, i] /= factor
@@ -43,10 +49,12 @@ def scale(A, B2, C2, D22):
             reading = max(reading, abs(C2[c, a]))
         if entry > 0.0 and reading > 0.0:
             factor = 2.0 ** np.round(0.5 * np.log2(reading / entry))
+            signals[c] = factor
             B2[:, c] *= factor
             D22[:, c] *= factor
             C2[c] /= factor
             D22[c] /= factor
+    return states, signals
 
 
 @numba.njit(cache=True)
