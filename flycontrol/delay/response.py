@@ -121,17 +121,19 @@ def _march(
 
 
 @lru_cache(maxsize=1)
-def collocation_rule() -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, float]:
-    """Gauss collocation on [0, 1]: nodes, weights, integrals K_ij of Lagrange polynomials, values to Chebyshev series.
+def collocation_rule() -> tuple[FloatArray, FloatArray, FloatArray, float]:
+    """Gauss collocation: nodes in [0, 1], values to Legendre series, Legendre to Chebyshev series, reach.
 
-    The series interpolate at the start and the s nodes: the collocation polynomial itself.
+    Values are those at the start of a panel and the s nodes; both series have s + 1 coefficients.
     """
     x, w = np.polynomial.legendre.leggauss(_GAUSS_NODES)
-    legendre = np.polynomial.legendre
-    vandermonde = legendre.legvander(x, _GAUSS_NODES - 1)
-    integrals = np.stack(
-        [legendre.legval(x, legendre.legint(row, lbnd=-1)) for row in np.linalg.inv(vandermonde).T], axis=1
-    )
-    points = np.concatenate([[-1.0], x])
-    to_series = np.linalg.inv(np.polynomial.chebyshev.chebvander(points, _GAUSS_NODES))
-    return (x + 1) / 2, w / 2, integrals / 2, np.ascontiguousarray(to_series, dtype=np.float64), _REACH
+    s = _GAUSS_NODES
+    degrees = np.arange(s)
+    to_legendre = np.zeros((s + 1, s + 1))
+    to_legendre[:s, 1:] = (degrees[:, None] + 0.5) * np.polynomial.legendre.legvander(x, s - 1).T * w
+    to_legendre[s] = (-1.0) ** (s + 1) * ((-1.0) ** degrees @ to_legendre[:s])  # P_s vanishes at the nodes
+    to_legendre[s, 0] += (-1.0) ** s
+    to_chebyshev = np.zeros((s + 1, s + 1))
+    for k in range(s + 1):
+        to_chebyshev[: k + 1, k] = np.polynomial.chebyshev.poly2cheb(np.polynomial.legendre.leg2poly(np.eye(k + 1)[k]))
+    return (x + 1) / 2, to_legendre, to_chebyshev, _REACH

@@ -5,14 +5,9 @@ from __future__ import annotations
 import numba
 import numpy as np
 
+from flycontrol.delay.kernels.collocation import SUMS, clenshaw, factor, legendre, solve, transformed
 
-@numba.njit(cache=True)
-def clenshaw(coefficients, x):
-    """Value at x in [-1, 1] of a Chebyshev series."""
-    b1, b2 = 0.0, 0.0
-    for k in range(len(coefficients) - 1, 0, -1):
-        b1, b2 = 2.0 * x * b1 - b2 + coefficients[k], b1
-    return x * b1 - b2 + coefficients[0]
+_LANES = 64
 
 
 @numba.njit(cache=True)
@@ -49,11 +44,14 @@ def _merged(times, tolerance):
 
 @numba.njit(cache=True)
 def breakpoints(edges, tau, end, order):
-    """Edges and their images under sums of up to `order` delays (all sums for a single delay) inside [0, end]."""
+    """Edges and their images under sums of up to `order` delays (all sums for a single delay) inside [0, end].
+
+    Edges in the past are kinks of the history: only their images count.
+    """
     tolerance = 1e-12 * end
     kept = edges[(edges >= 0.0) & (edges < end - tolerance)]
-    newest = kept
-    rounds = 1 + int(end / tau.min()) if len(tau) == 1 else order
+    newest = edges
+    rounds = 2 + int(end / tau.min()) if len(tau) == 1 else order
     for _ in range(rounds if len(tau) else 0):
         images = np.empty(len(newest) * len(tau))
         count = 0
@@ -88,109 +86,163 @@ def panels(breaks, longest):
 
 
 @numba.njit(cache=True)
-def _panel_inverse(A, h, K):
-    """(I - h K (x) A)^-1, shape (s n, s n)."""
-    s, n = K.shape[0], A.shape[0]
-    big = np.eye(s * n)
-    for i in range(s):
-        for j in range(s):
-            for a in range(n):
-                for b in range(n):
-                    big[i * n + a, j * n + b] -= h * K[i, j] * A[a, b]
-    return np.linalg.inv(big)
-
-
-@numba.njit(cache=True)
-def _inverses(A, lengths, K):
-    """One inverse for each different panel length, and for each panel the index of its own."""
-    kind = np.empty(len(lengths), np.int64)
-    different = np.empty(len(lengths))
-    count = 0
-    for i in range(len(lengths)):
-        found = -1
-        for k in range(count):
-            if abs(lengths[i] - different[k]) <= 1e-11 * lengths[i]:
-                found = k
-                break
-        if found < 0:
-            different[count] = lengths[i]
-            found = count
-            count += 1
-        kind[i] = found
-    size = K.shape[0] * A.shape[0]
-    inverses = np.empty((count, size, size))
-    for k in range(count):
-        inverses[k] = _panel_inverse(A, different[k], K)
-    return inverses, kind
-
-
-@numba.njit(cache=True)
-def _delayed_values(W, panel, starts, lengths, tau, z_series, z0, nodes, where):
-    """Fill W (s + 1, q) with z(t - tau) at the points of a panel, from earlier panels or the history z0."""
-    h = lengths[panel]
-    for c in range(len(tau)):
-        first = starts[panel] - tau[c]
-        if first + 0.5 * h < starts[0]:
-            W[:, c] = z0[c]
-            continue
-        k = where[c]
-        while starts[k] + lengths[k] <= first + 1e-9 * h:
+def _delayed(c, panel, t0, h, starts, lengths, delay, z_series, nodes, to_legendre, where, values, w, sliver):
+    """Fill w (s + 1), the Legendre coefficients of z_c(t - delay) on a panel, from the panels before it."""
+    first = t0 - delay
+    k = where[c]
+    while k + 1 < panel and starts[k] + lengths[k] <= first + 1e-9 * h:
+        k += 1
+    where[c] = k
+    if abs(starts[k] - first) <= sliver and abs(lengths[k] - h) <= sliver:  # a whole earlier panel
+        w[:] = z_series[k, c]
+        return
+    for i in range(len(w)):
+        t = first if i == 0 else first + nodes[i - 1] * h
+        while k + 1 < panel and starts[k + 1] < t - 1e-9 * h:
             k += 1
-        where[c] = k
-        for i in range(W.shape[0]):
-            t = first if i == 0 else first + nodes[i - 1] * h
-            while k + 1 < panel and starts[k + 1] < t - 1e-9 * h:
-                k += 1
-            W[i, c] = clenshaw(z_series[k, c], 2.0 * (t - starts[k]) / lengths[k] - 1.0)
+        values[i] = legendre(z_series[k, c], 2.0 * (t - starts[k]) / lengths[k] - 1.0)
+    transformed(to_legendre, values, w)
 
 
 @numba.njit(cache=True)
-def _readout(C, D1, D2, X, u, W, row, values):
-    """values_i = row of C x + D1 u + D2 w at the points of a panel."""
-    for i in range(len(values)):
+def held(edges, inputs, starts, lengths, degree):
+    """Legendre series (P, m, degree + 1) on panels of an input that takes the rows of `inputs` (k, m) at its edges."""
+    series = np.zeros((len(starts), inputs.shape[1], degree + 1))
+    edge = 0
+    for panel in range(len(starts)):
+        while edge + 1 < len(edges) and edges[edge + 1] <= starts[panel] + 1e-9 * lengths[panel]:
+            edge += 1
+        series[panel, :, 0] = inputs[edge]
+    return series
+
+
+@numba.njit(cache=True)
+def projected(pieces, rule, starts, lengths):
+    """Legendre series (P, m, s + 1) on panels of a piecewise Chebyshev polynomial (starts, lengths, series)."""
+    nodes, to_legendre = rule[0], rule[1]
+    piece_starts, piece_lengths, piece_series = pieces
+    m, points = piece_series.shape[1], len(nodes) + 1
+    series = np.empty((len(starts), m, points))
+    values = np.empty(points)
+    k = 0
+    for panel in range(len(starts)):
+        h = lengths[panel]
+        while k + 1 < len(piece_starts) and piece_starts[k + 1] <= starts[panel] + 1e-9 * h:
+            k += 1
+        for row in range(m):
+            for i in range(points):
+                t = starts[panel] - piece_starts[k] + (nodes[i - 1] * h if i > 0 else 0.0)
+                values[i] = clenshaw(piece_series[k, row], 2.0 * t / piece_lengths[k] - 1.0)
+            transformed(to_legendre, values, series[panel, row])
+    return series
+
+
+@numba.njit(cache=True, fastmath=SUMS)
+def _readout(C, D1, D2, X, u, W, row, y):
+    """Fill y (s + 1) = row of C x + D1 u + D2 w in Legendre coefficients."""
+    for k in range(len(y)):
         total = 0.0
         for a in range(X.shape[1]):
-            total += C[row, a] * X[i, a]
-        for b in range(len(u)):
-            total += D1[row, b] * u[b]
-        for c in range(W.shape[1]):
-            total += D2[row, c] * W[i, c]
-        values[i] = total
+            total += C[row, a] * X[k, a]
+        y[k] = total
+    for b in range(u.shape[0]):
+        if D1[row, b] != 0.0:
+            for k in range(len(y)):
+                y[k] += D1[row, b] * u[b, k]
+    for c in range(W.shape[0]):
+        if D2[row, c] != 0.0:
+            for k in range(len(y)):
+                y[k] += D2[row, c] * W[c, k]
 
 
 @numba.njit(cache=True)
-def _fit(series, to_series, values):
-    for k in range(len(values)):
-        total = 0.0
-        for i in range(len(values)):
-            total += to_series[k, i] * values[i]
-        series[k] = total
+def _force(F, B, u):
+    """F (s + 1, n) += B u in Legendre coefficients u (m, s + 1)."""
+    for a in range(F.shape[1]):
+        for b in range(u.shape[0]):
+            if B[a, b] != 0.0:
+                for k in range(F.shape[0]):
+                    F[k, a] += B[a, b] * u[b, k]
 
 
 @numba.njit(cache=True)
-def _advance(A, B1, B2, x, h, u, W, inverse, K, X, F, rhs):
-    """Collocation states X (s + 1, n) of one panel from its start x; F (s, n) holds the forcing."""
-    s, n = F.shape
-    for i in range(s):
+def march_panels(blocks, grid, past, u_series, jumps, x0, rule):
+    """March over given panels.
+
+    `grid` = (starts, lengths) of the P panels; `past` = (starts, lengths, Legendre series (H, q, s + 1)) of the delayed
+    signals before time 0; `u_series` (P, m, s + 1) the inputs in Legendre coefficients; `jumps` (P, n) are added to the
+    state at panel starts (none if it has no rows). Returns y (P, p, s + 1) in Chebyshev coefficients, the states
+    (P + 1, n) at panel starts and the end, x (P, s + 1, n), w (P, q, s + 1) and z (H + P, q, s + 1) in Legendre ones.
+    """
+    A, B1, B2, C1, C2, D11, D12, D21, D22, tau = blocks
+    nodes, to_legendre, to_chebyshev, _ = rule
+    n, q, p, s, H = A.shape[0], len(tau), C1.shape[0], len(nodes), len(past[0])
+    starts, lengths = np.concatenate((past[0], grid[0])), np.concatenate((past[1], grid[1]))
+    P = len(grid[0])
+    sliver = 1e-14 * (starts[-1] + lengths[-1])
+    slots = min(8, P)
+    R, S = np.empty((slots, s, n, n)), np.empty((slots, s, n, n))
+    kinds = np.full(slots, -1.0)
+    oldest = 0
+    z_series = np.empty((H + P, q, s + 1))
+    z_series[:H] = past[2]
+    y_series, states = np.empty((P, p, s + 1)), np.empty((P + 1, n))
+    x_series, w_series = np.empty((P, s + 1, n)), np.empty((P, q, s + 1))
+    F, c = np.empty((s + 1, n)), np.empty((s, n))
+    values, y, where = np.empty(s + 1), np.empty(s + 1), np.zeros(q, np.int64)
+    x = x0.copy()
+    for panel in range(P):
+        h = lengths[H + panel]
+        kind = -1
+        for k in range(slots):
+            if abs(h - kinds[k]) <= 1e-11 * h:
+                kind = k
+                break
+        if kind < 0:
+            kind, oldest = oldest, (oldest + 1) % slots
+            kinds[kind] = h
+            factor(A, h, R[kind], S[kind])
+        if len(jumps):
+            x += jumps[panel]
+        states[panel] = x
+        u, W, X = u_series[panel], w_series[panel], x_series[panel]
+        for i in range(q):
+            _delayed(
+                i, H + panel, starts[H + panel], h, starts, lengths, tau[i], z_series, nodes, to_legendre, where,
+                values, W[i], sliver,
+            )  # fmt: skip
+        F[:] = 0.0
+        _force(F, B1, u)
+        _force(F, B2, W)
+        solve(A, R[kind], S[kind], h, x, F, c, X)
         for a in range(n):
-            total = 0.0
-            for b in range(len(u)):
-                total += B1[a, b] * u[b]
-            for c in range(W.shape[1]):
-                total += B2[a, c] * W[i + 1, c]
-            F[i, a] = total
-    for i in range(s):
-        for a in range(n):
-            total = x[a]
-            for j in range(s):
-                total += h * K[i, j] * F[j, a]
-            rhs[i * n + a] = total
-    X[0] = x
-    for i in range(s * n):
-        total = 0.0
-        for j in range(s * n):
-            total += inverse[i, j] * rhs[j]
-        X[1 + i // n, i % n] = total
+            x[a] += h * c[0, a]
+        for row in range(p):
+            _readout(C1, D11, D12, X, u, W, row, y)
+            transformed(to_chebyshev, y, y_series[panel, row])
+        for row in range(q):
+            _readout(C2, D21, D22, X, u, W, row, z_series[H + panel, row])
+    states[P] = x
+    return y_series, states, x_series, w_series, z_series
+
+
+@numba.njit(cache=True)
+def grid_of(blocks, edges, end, rule):
+    """Starts and lengths of panels over [0, end] that no kink falls into; edges may lie in the past."""
+    A, B2, C2, tau = blocks[0], blocks[2], blocks[4], blocks[9]
+    longest = min(end, rule[3] / max(rate_scale(A, B2, C2), 1e-300))
+    for delay in tau:  # a panel reads delayed values from panels before it, never from itself
+        longest = min(longest, delay)
+    return panels(breakpoints(edges, tau, end, 8), longest)
+
+
+@numba.njit(cache=True)
+def constant_past(z0, tau, degree):
+    """One panel of the past, as long as the longest delay, on which the delayed signals are z0 (q,)."""
+    longest = tau.max() if len(tau) else 1.0
+    series = np.zeros((1, len(tau), degree + 1))
+    series[0, :, 0] = z0
+    return np.array([-longest]), np.array([longest]), series
 
 
 @numba.njit(cache=True)
@@ -198,62 +250,51 @@ def march(blocks, edges, inputs, x0, z0, end, rule):
     """March over panels; returns starts, lengths, Chebyshev series of y (P, p, s + 1) and the states at panel ends.
 
     `blocks` holds those of `DelayLTI`, tau last; `edges` (k,) are the times at which the input takes the rows of
-    `inputs` (k, m); `rule` is the collocation rule (nodes, weights, K, to_series, longest panel times rate).
+    `inputs` (k, m); z0 (q,) are the delayed signals of a constant past; `rule` is the collocation rule.
     """
-    A, B1, B2, C1, C2, D11, D12, D21, D22, tau = blocks
-    nodes, weights, K, to_series, reach = rule
-    n, q, p, s = A.shape[0], len(tau), C1.shape[0], len(nodes)
-    breaks = breakpoints(edges, tau, end, 8)
-    longest = min(end, reach / max(rate_scale(A, B2, C2), 1e-300))
-    for delay in tau:  # a panel reads delayed values from panels before it, never from itself
-        longest = min(longest, delay)
-    starts, lengths = panels(breaks, longest)
-    inverses, kind = _inverses(A, lengths, K)
-    P = len(starts)
-    x = x0.copy()
-    states = np.empty((P + 1, n))
-    states[0] = x
-    y_series, z_series = np.empty((P, p, s + 1)), np.empty((P, q, s + 1))
-    W, X, F = np.zeros((s + 1, q)), np.empty((s + 1, n)), np.empty((s, n))
-    rhs, values = np.empty(s * n), np.empty(s + 1)
-    where = np.zeros(q, np.int64)
-    edge = 0
-    for panel in range(P):
-        h = lengths[panel]
-        while edge + 1 < len(edges) and edges[edge + 1] <= starts[panel] + 1e-9 * h:
-            edge += 1
-        u = inputs[edge]
-        _delayed_values(W, panel, starts, lengths, tau, z_series, z0, nodes, where)
-        _advance(A, B1, B2, x, h, u, W, inverses[kind[panel]], K, X, F, rhs)
-        for a in range(n):
-            total = x[a]
-            for j in range(s):
-                slope = F[j, a]
-                for b in range(n):
-                    slope += A[a, b] * X[1 + j, b]
-                total += h * weights[j] * slope
-            states[panel + 1, a] = total
-        x = states[panel + 1]
-        for row in range(p):
-            _readout(C1, D11, D12, X, u, W, row, values)
-            _fit(y_series[panel, row], to_series, values)
-        for row in range(q):
-            _readout(C2, D21, D22, X, u, W, row, values)
-            _fit(z_series[panel, row], to_series, values)
-    return starts, lengths, y_series, states
+    grid = grid_of(blocks, edges, end, rule)
+    degree = len(rule[0])
+    past = constant_past(z0, blocks[9], degree)
+    u_series = held(edges, inputs, grid[0], grid[1], degree)
+    none = np.empty((0, len(x0)))
+    y_series, states, _, _, _ = march_panels(blocks, grid, past, u_series, none, x0, rule)
+    return grid[0], grid[1], y_series, states
 
 
 @numba.njit(cache=True)
 def sample(starts, lengths, series, times):
-    """Values (p, len(times)) of a piecewise Chebyshev series at non-decreasing times inside its range."""
-    out = np.empty((series.shape[1], len(times)))
-    panel = 0
-    for t in range(len(times)):
-        while panel + 1 < len(starts) and starts[panel + 1] <= times[t]:
+    """Values (p, len(times)) of a piecewise Chebyshev series at non-decreasing times inside its range.
+
+    Clenshaw's recurrence runs over all times of a panel side by side, so that it fills the lanes of the processor.
+    """
+    p, degree, many = series.shape[1], series.shape[2] - 1, len(times)
+    out = np.empty((p, many))
+    x, b1, b2 = np.empty(_LANES), np.empty(_LANES), np.empty(_LANES)
+    panel, first = 0, 0
+    while first < many:
+        while panel + 1 < len(starts) and starts[panel + 1] <= times[first]:
             panel += 1
-        x = 2.0 * (times[t] - starts[panel]) / lengths[panel] - 1.0
-        for row in range(series.shape[1]):
-            out[row, t] = clenshaw(series[panel, row], x)
+        stop = first + 1
+        limit = min(many, first + _LANES)
+        right = starts[panel + 1] if panel + 1 < len(starts) else np.inf
+        while stop < limit and times[stop] < right:
+            stop += 1
+        count = stop - first
+        left, scale = starts[panel], 2.0 / lengths[panel]
+        for i in range(count):
+            x[i] = scale * (times[first + i] - left) - 1.0
+        for row in range(p):
+            coefficients = series[panel, row]
+            for i in range(count):
+                b1[i], b2[i] = 0.0, 0.0
+            for k in range(degree, 0, -1):
+                add = coefficients[k]
+                for i in range(count):
+                    b2[i], b1[i] = b1[i], 2.0 * x[i] * b1[i] - b2[i] + add
+            add = coefficients[0]
+            for i in range(count):
+                out[row, first + i] = x[i] * b1[i] - b2[i] + add
+        first = stop
     return out
 
 
