@@ -8,6 +8,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flycontrol.delay.history import constant_history
 from flycontrol.delay.kernels import march as kernels
 from flycontrol.delay.system import DelayLTI, FloatArray, is_retarded
 from flycontrol.errors import InvalidParameterError, NeutralSystemError
@@ -85,10 +86,7 @@ def response(
     """
     if not (end > 0 and np.isfinite(end)):
         raise InvalidParameterError(f"The end of a response must be > 0 s, got {end!r}.")
-    if not is_retarded(system):
-        raise NeutralSystemError(
-            "This system is of neutral type: a delay feeds back into itself without passing a state."
-        )
+    require_retarded(system)
     steps = np.atleast_1d(np.asarray(edges, dtype=np.float64))
     values = np.zeros((len(steps), system.n_inputs)) if inputs is None else np.asarray(inputs, dtype=np.float64)
     if values.ndim == 1:
@@ -106,13 +104,25 @@ def response(
     return Response(*_march(system, float(end), steps, values, x0))
 
 
+def require_retarded(system: DelayLTI) -> None:
+    """Refuse a system of neutral type.
+
+    Raises
+    ------
+    NeutralSystemError
+        If a delay feeds back into itself without passing a state.
+    """
+    if system.D22.any() and not is_retarded(system):
+        raise NeutralSystemError(
+            "This system is of neutral type: a delay feeds back into itself without passing a state."
+        )
+
+
 def _march(
     system: DelayLTI, end: float, edges: FloatArray, inputs: FloatArray, x0: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     s = system
-    history = s.C2 @ x0
-    if s.D22.any():  # delayed signals of a constant past: w = z
-        history = np.linalg.solve(np.eye(s.n_delays) - s.D22, history)
+    history = constant_history(s, x0)
     # copies are writeable and contiguous, so that one compiled signature serves every caller
     C1, C2, tau = s.C1.copy(), s.C2.copy(), s.tau.copy()
     D11, D12, D21, D22 = s.D11.copy(), s.D12.copy(), s.D21.copy(), s.D22.copy()

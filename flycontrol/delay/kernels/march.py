@@ -227,13 +227,34 @@ def march_panels(blocks, grid, past, u_series, jumps, x0, rule):
 
 
 @numba.njit(cache=True)
+def passages(tau, D22):
+    """Delays and all sums of them along chains (D22) that a signal passes without passing a state, (k,) [s]."""
+    q = len(tau)
+    if not D22.any():
+        return tau
+    found = tau
+    at, total = np.arange(q), tau
+    for _ in range(q - 1):
+        count = 0
+        next_at, next_total = np.empty(len(at) * q, np.int64), np.empty(len(at) * q)
+        for k in range(len(at)):
+            for j in range(q):
+                if D22[j, at[k]] != 0.0:
+                    next_at[count], next_total[count] = j, total[k] + tau[j]
+                    count += 1
+        at, total = next_at[:count].copy(), next_total[:count].copy()
+        found = np.concatenate((found, total))
+    return _merged(found, 1e-12 * found.max())
+
+
+@numba.njit(cache=True)
 def grid_of(blocks, edges, end, rule):
     """Starts and lengths of panels over [0, end] that no kink falls into; edges may lie in the past."""
-    A, B2, C2, tau = blocks[0], blocks[2], blocks[4], blocks[9]
+    A, B2, C2, D22, tau = blocks[0], blocks[2], blocks[4], blocks[8], blocks[9]
     longest = min(end, rule[3] / max(rate_scale(A, B2, C2), 1e-300))
     for delay in tau:  # a panel reads delayed values from panels before it, never from itself
         longest = min(longest, delay)
-    return panels(breakpoints(edges, tau, end, 8), longest)
+    return panels(breakpoints(edges, passages(tau, D22), end, 8), longest)
 
 
 @numba.njit(cache=True)
@@ -243,6 +264,51 @@ def constant_past(z0, tau, degree):
     series = np.zeros((1, len(tau), degree + 1))
     series[0, :, 0] = z0
     return np.array([-longest]), np.array([longest]), series
+
+
+@numba.njit(cache=True)
+def delayed_series(starts, lengths, first, tau, series, rule):
+    """Legendre coefficients (P, q, s + 1) of series_i(t - tau_i) on the panels from number `first` on."""
+    nodes, to_legendre = rule[0], rule[1]
+    q, points = len(tau), len(nodes) + 1
+    delayed = np.empty((len(starts) - first, q, points))
+    where, values = np.zeros(q, np.int64), np.empty(points)
+    sliver = 1e-14 * (starts[-1] + lengths[-1])
+    for panel in range(first, len(starts)):
+        for i in range(q):
+            _delayed(
+                i, panel, starts[panel], lengths[panel], starts, lengths, tau[i], series, nodes, to_legendre, where,
+                values, delayed[panel - first, i], sliver,
+            )  # fmt: skip
+    return delayed
+
+
+@numba.njit(cache=True)
+def moving_jumps(starts, lengths, first, tau, tau_slope, z_series, B2, D22):
+    """Jumps (P, n) of the states' derivatives where jumps of z arrive at times that move with the delays."""
+    many, q = len(starts), len(tau)
+    tolerance = 4e-12 * (starts[-1] + lengths[-1])
+    impulses = np.zeros((many, q))  # of dz at panel starts
+    jumps = np.zeros((many - first, B2.shape[0]))
+    where = np.zeros(q, np.int64)
+    dw = np.empty(q)
+    for panel in range(first, many):
+        for i in range(q):
+            dw[i] = 0.0
+            sent = starts[panel] - tau[i]
+            while where[i] + 1 < many and starts[where[i]] < sent - tolerance:
+                where[i] += 1
+            k = where[i]
+            if k > 0 and abs(starts[k] - sent) <= tolerance:
+                jump = legendre(z_series[k, i], -1.0) - legendre(z_series[k - 1, i], 1.0)
+                dw[i] = impulses[k, i] - tau_slope[i] * jump
+        for a in range(B2.shape[0]):
+            for i in range(q):
+                jumps[panel - first, a] += B2[a, i] * dw[i]
+        for c in range(q):
+            for i in range(q):
+                impulses[panel, c] += D22[c, i] * dw[i]
+    return jumps
 
 
 @numba.njit(cache=True)
