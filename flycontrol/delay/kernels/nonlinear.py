@@ -15,7 +15,7 @@ _SIGNATURE = _VECTOR(numba.types.float64, _VECTOR, _VECTOR, _VECTOR, _VECTOR)
 
 @lru_cache(maxsize=64)
 def first_class(function):
-    """The function behind a pointer of one type, so that `march` is compiled once for all; None if it is not compiled."""
+    """The function behind a pointer of one type, so that `march` is compiled once; None if it is not compiled."""
     python = getattr(function, "py_func", None)
     if python is not None:
         return numba.cfunc(_SIGNATURE)(python)
