@@ -1,1 +1,1 @@
-"""What a fly and an experiment are: the yaw loop, its parameters, wing motion, recordings, and what follows from them."""
+"""What a fly and an experiment are: yaw loop, parameters, wing motion, recordings, and what follows from them."""
