@@ -58,7 +58,7 @@ def open_loop_poles(system: DelayLTI) -> OpenLoopPoles:
     unstable, complete_to = 0, -np.inf
     for states, delays in _parts(system):
         if len(delays) == 0:
-            listed.append(np.linalg.eigvals(system.A[np.ix_(states, states)]).astype(np.complex128))
+            listed.append(np.linalg.eigvals(system.A[states][:, states]).astype(np.complex128))
             continue
         part = _part(system, states, delays)
         count = count_right_of(part, 0.0).roots
@@ -86,9 +86,9 @@ def _parts(system: DelayLTI) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:
 
 def _part(system: DelayLTI, states: NDArray[np.intp], delays: NDArray[np.intp]) -> DelayLTI:
     return delay_lti(
-        A=system.A[np.ix_(states, states)], B1=np.zeros((len(states), 1)), C1=np.zeros((1, len(states))),
-        B2=system.B2[np.ix_(states, delays)], C2=system.C2[np.ix_(delays, states)],
-        D22=system.D22[np.ix_(delays, delays)], tau=system.tau[delays],
+        A=system.A[states][:, states], B1=np.zeros((len(states), 1)), C1=np.zeros((1, len(states))),
+        B2=system.B2[states][:, delays], C2=system.C2[delays][:, states],
+        D22=system.D22[delays][:, delays], tau=system.tau[delays],
     )  # fmt: skip
 
 
