@@ -15,6 +15,9 @@ from flycontrol.delay.system import ComplexArray, DelayLTI, FloatArray, is_retar
 from flycontrol.errors import NeutralSystemError
 
 _MOST_NODES = 400
+_FIRST_NODES = 60  # a count tells whether they were enough; the bound on the roots of a stiff plant asks for far more
+_SWEPT_NODES = 130  # from here on the missing roots are sought around points higher up the imaginary axis
+_WINDOW_NODES = 30  # of each such point: the cost of a stretch of the axis is least about there
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,8 +60,13 @@ def rightmost_roots(system: DelayLTI, count: int = 10, *, certify: bool = True) 
         return Spectrum(roots[: _whole(roots, count)], np.full(_whole(roots, count), eps), -np.inf, 0, "certified")
     balanced = balance(system)
     nodes = max(8 + count, _nodes_for(root_bound(balanced, 0.0) * balanced.tau.max()))
+    if certify:
+        nodes = min(nodes, max(8 + count, _FIRST_NODES))
     while True:
-        found = _spectrum_with(balanced, nodes, count, certify)
+        found = _spectrum_from(balanced, _collocated_roots(balanced, nodes), nodes, count, certify=certify)
+        if certify and found.status == "not certified" and nodes >= _SWEPT_NODES:
+            swept = _spectrum_from(balanced, _swept_roots(balanced, found.line), nodes, count, certify=True)
+            found = swept if swept.status == "certified" else found
         enough = len(found.roots) >= min(count, _most_roots(system, count))
         if (found.status != "not certified" and enough) or nodes >= _MOST_NODES:
             return found
@@ -72,14 +80,14 @@ def _most_roots(system: DelayLTI, count: int) -> int:
     return count if system.B2.any() and system.C2.any() else system.n_states
 
 
-def _spectrum_with(balanced: DelayLTI, nodes: int, count: int, certify: bool) -> Spectrum:
-    """The rightmost roots that `nodes` collocation nodes find, and whether the count agrees."""
-    roots, errors = _polish(balanced, _collocated_roots(balanced, nodes)[: count + 6])
+def _spectrum_from(balanced: DelayLTI, start: ComplexArray, nodes: int, count: int, *, certify: bool) -> Spectrum:
+    """The rightmost roots that Newton finds from eigenvalues of `nodes` nodes, and whether the count agrees."""
+    roots, errors = _polish(balanced, start[_is_possible(balanced, start)][: count + 6])
     many = _whole(roots, count)
-    line = _line_left_of(roots, many)
+    line = _line_left_of(roots, errors, many, 1e-5 / balanced.tau.max())
     while certify and line is None and many < len(roots):  # the next root shares the real part: take it along
         many = _whole(roots, many + 1)
-        line = _line_left_of(roots, many)
+        line = _line_left_of(roots, errors, many, 1e-5 / balanced.tau.max())
     kept, kept_errors = roots[:many], errors[:many]
     if line is None:
         return Spectrum(kept, kept_errors, float(kept[-1].real) if many else 0.0, nodes, "a root too near the line")
@@ -87,21 +95,47 @@ def _spectrum_with(balanced: DelayLTI, nodes: int, count: int, certify: bool) ->
         resolved = nodes >= _nodes_for(float(np.abs(kept).max(initial=0.0)) * balanced.tau.max())
         return Spectrum(kept, kept_errors, line, nodes, "not counted" if resolved else "not certified")
     counted = count_right_of(balanced, line)
+    if counted.roots is None and many < len(roots) and _cluster_goes_on(roots, many):
+        return _spectrum_from(balanced, start, nodes, many + 1, certify=True)
     agrees = counted.roots == many
     status = counted.status if counted.roots is None or agrees else "not certified"
     return Spectrum(kept, kept_errors, line, nodes, status)
 
 
-def _line_left_of(roots: ComplexArray, many: int) -> float | None:
-    """A vertical line between root `many` and the next one on the left; None where the gap is too narrow."""
+def _line_left_of(roots: ComplexArray, errors: FloatArray, many: int, least: float) -> float | None:
+    """A vertical line between root `many` and the next one on the left; None where the gap is too narrow.
+
+    What is narrow is judged by these two roots: a fast root far right does not blur a chain of slow ones.
+    """
     if many == 0:
         return None
     last = float(roots[many - 1].real)
-    size = float(np.abs(roots[:many]).max())
+    size = float(np.abs(roots[many - 1 : many + 1]).max())
     if many == len(roots):
-        return last - 0.02 * size
+        return last - max(0.02 * size, least)
     gap = last - float(roots[many].real)
-    return last - min(0.5 * gap, 0.05 * size) if gap > 1e-5 * size else None
+    narrow = 1e-9 * size + 10.0 * float(errors[many - 1] + errors[many])
+    return last - min(0.5 * gap, 0.05 * size) if gap > narrow else None
+
+
+def _cluster_goes_on(roots: ComplexArray, many: int) -> bool:
+    """Whether the next root is a near neighbour: a count between roots of a cluster takes steps without end."""
+    distance = np.abs(roots[:many] - roots[many]).min()
+    return bool(distance < 0.6 * np.abs(roots[many]))
+
+
+def _is_possible(system: DelayLTI, roots: ComplexArray) -> NDArray[np.bool_]:
+    """Whether |s| <= ||A|| + ||B2|| ||(I - E D22)^-1 E C2||, E = diag exp(-tau Re s), as for every root of the system.
+
+    Weak feedback has its later roots far left, where collocation also puts eigenvalues that are roots of nothing.
+    """
+    growth = np.exp(np.minimum(-roots.real[:, None] * system.tau, 200.0))
+    reading = np.abs(system.C2).sum(axis=1)
+    chain = growth * reading
+    for _ in range(system.n_delays if system.D22.any() else 0):  # exact: D22 is nilpotent
+        chain = growth * (reading + chain @ np.abs(system.D22).T)
+    bound = (np.abs(system.A).sum(axis=1) + chain @ np.abs(system.B2).T).max(axis=1, initial=0.0)
+    return np.abs(roots) <= 1.5 * bound + 1e-3 / system.tau.max()
 
 
 def _nodes_for(radius: float) -> int:
@@ -123,20 +157,48 @@ def _chebyshev_differentiation(n: int) -> FloatArray:
 
 def _collocated_roots(system: DelayLTI, nodes: int) -> ComplexArray:
     """Eigenvalues of states and transport lines v_t = -v_theta / tau, v(0) = z, w = v(1); rightmost first."""
+    return _ordered(
+        np.linalg.eigvals(_collocation(system.A, system.B2, system.D22, system, nodes)).astype(np.complex128)
+    )
+
+
+def _swept_roots(system: DelayLTI, line: float) -> ComplexArray:
+    """Eigenvalues with imag >= 0 around points j w0 of the imaginary axis, up to where roots right of `line` can lie.
+
+    With s = j w0 + sigma the loop is that of A - j w0 and exp(-j w0 tau) w: few nodes resolve each stretch of the axis,
+    so the cost grows like the highest frequency, and not like its cube.
+    """
+    half = 0.6 * _WINDOW_NODES / system.tau.max()
+    reach = min(root_bound(system, min(line, 0.0)), 1e3 * half)
+    found = [_collocated_roots(system, 2 * _WINDOW_NODES)]
+    found[0] = found[0][(found[0].imag >= 0) & (found[0].imag < half)]
+    for w0 in np.arange(2 * half, reach + half, 2 * half):
+        turned = np.exp(-1j * w0 * system.tau)
+        A = system.A - 1j * w0 * np.eye(system.n_states)
+        M = _collocation(A, system.B2 * turned, system.D22 * turned, system, _WINDOW_NODES)
+        near = np.linalg.eigvals(M)
+        found.append(near[(near.imag >= -half) & (near.imag < half)] + 1j * w0)
+    return _ordered(np.concatenate(found))
+
+
+def _collocation(
+    A: NDArray[np.inexact], B2: NDArray[np.inexact], D22: NDArray[np.inexact], system: DelayLTI, nodes: int
+) -> NDArray[np.inexact]:
+    """Matrix of states and transport lines, with `nodes` nodes for the longest delay."""
     n = system.n_states
     counts = np.maximum(6, np.ceil(nodes * system.tau / system.tau.max())).astype(np.intp)
     ends = n + np.cumsum(counts) - 1
     size = n + int(counts.sum())
-    M = np.zeros((size, size))
-    M[:n, :n] = system.A
-    M[:n, ends] = system.B2
+    M = np.zeros((size, size), dtype=A.dtype)
+    M[:n, :n] = A
+    M[:n, ends] = B2
     for i, tau in enumerate(system.tau):
         D = _chebyshev_differentiation(int(counts[i])) / tau
         rows = slice(int(ends[i] - counts[i]) + 1, int(ends[i]) + 1)
         M[rows, rows] = -D[1:, 1:]
         M[rows, :n] += np.outer(-D[1:, 0], system.C2[i])
-        M[rows, ends] += np.outer(-D[1:, 0], system.D22[i])
-    return _ordered(np.linalg.eigvals(M).astype(np.complex128))
+        M[rows, ends] += np.outer(-D[1:, 0], D22[i])
+    return M
 
 
 def _polish(system: DelayLTI, start: ComplexArray) -> tuple[ComplexArray, FloatArray]:
@@ -154,7 +216,8 @@ def _polish(system: DelayLTI, start: ComplexArray) -> tuple[ComplexArray, FloatA
     steps = newton.polish(blocks, roots, paired, 40)
     roots.imag = np.abs(roots.imag)
     near = np.abs(roots - upper) <= 0.1 * np.abs(upper) + 1e-3 / x.tau.max()
-    keep = near & (steps <= 1e-2 * np.abs(roots) + 1e-12 / x.tau.max())
+    # three roots that meet are known to eps^(1/3); what still moves by more circles around a root that others hold
+    keep = near & (steps <= 1e-4 * np.abs(roots) + 1e-12 / x.tau.max())
     for k in np.flatnonzero(keep):
         twins = keep[:k] & (np.abs(roots[:k] - roots[k]) <= 1e-7 * np.abs(roots[k]) + 1e-13 / x.tau.max())
         if (np.abs(upper[:k] - upper[k])[twins] > 1e-2 * np.abs(upper[k])).any():

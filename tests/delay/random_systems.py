@@ -1,5 +1,7 @@
 """Random delay systems that tests draw from: every test names its seed, so a failure can be drawn again."""
 
+from dataclasses import replace
+
 import numpy as np
 from hypothesis import settings
 from hypothesis import strategies as st
@@ -35,3 +37,38 @@ def random_points(seed: int, count: int = 6) -> np.ndarray:
     """Complex frequencies [1/s] around the imaginary axis, where no random system has a pole but by chance."""
     rng = np.random.default_rng(seed)
     return rng.normal(size=count) + 3j * rng.normal(size=count)
+
+
+KINDS = ("plain", "commensurate delays", "stiff", "badly scaled", "lightly damped")
+
+
+def kind_of(seed: int) -> str:
+    """Which of the five kinds `varied_system` draws for a seed."""
+    return KINDS[seed // 30 % 5]
+
+
+def varied_system(seed: int) -> DelayLTI:
+    """Random system whose size and kind follow from the seed: 1-5 states, 1-3 delays, chained or not, five kinds.
+
+    Plain: as `random_system`. Commensurate: delays are multiples of 0.1 s, equal ones among them. Stiff: rates of the
+    states spread over three decades. Badly scaled: units of states and delayed signals spread over eight decades, same
+    roots as a plain one. Lightly damped: undelayed modes near the imaginary axis, perturbed by weak delayed feedback.
+    """
+    plain = random_system(seed, 1 + seed % 5, 1 + seed // 5 % 3, chained=seed // 15 % 2 == 1)
+    rng = np.random.default_rng([seed, 1])
+    n, q, kind = plain.n_states, plain.n_delays, kind_of(seed)
+    if kind == "commensurate delays":
+        return replace(plain, tau=0.1 * rng.integers(1, 16, size=q))
+    if kind == "stiff":
+        rate = 10.0 ** rng.uniform(0.0, 3.0, size=(n, 1))
+        return replace(plain, A=rate * plain.A, B1=rate * plain.B1, B2=rate * plain.B2)
+    if kind == "badly scaled":
+        x, z = 10.0 ** rng.uniform(-4.0, 4.0, size=(n, 1)), 10.0 ** rng.uniform(-4.0, 4.0, size=(q, 1))
+        return replace(
+            plain, A=x * plain.A / x.T, B1=x * plain.B1, B2=x * plain.B2 / z.T, C1=plain.C1 / x.T,
+            C2=z * plain.C2 / x.T, D12=plain.D12 / z.T, D21=z * plain.D21, D22=z * plain.D22 / z.T,
+        )  # fmt: skip
+    if kind == "lightly damped":
+        turning = rng.normal(size=(n, n))
+        return replace(plain, A=3.0 * (turning - turning.T) - 0.02 * np.eye(n), B2=0.03 * plain.B2)
+    return plain
