@@ -68,16 +68,41 @@ def factor(A, h, R, S):
     """Fill R and S (s, n, n) of the elimination for panels of length h."""
     s, n = R.shape[0], A.shape[0]
     M = (0.5 * h) * A
+    if n == 2:
+        _factor_pair(M[0, 0], M[0, 1], M[1, 0], M[1, 1], R, S)
+        return
+    square = product(M, M)
     identity = np.eye(n)
     R[s - 1] = identity
     for k in range(s - 2, -1, -1):
-        # M G_{k+1} / (2k + 3) = M R_{k+1} M / ((2k + 1) (2k + 3)), as G_{k+1} = R_{k+1} M / (2k + 1)
-        inner = identity + product(M, product(R[k + 1], M)) / ((2.0 * k + 1.0) * (2.0 * k + 3.0))
+        # M G_{k+1} / (2k + 3) = R_{k+1} M^2 / ((2k + 1) (2k + 3)), as all these matrices are functions of M
+        inner = identity + product(R[k + 1], square) / ((2.0 * k + 1.0) * (2.0 * k + 3.0))
         if k == 0:
             inner -= M
         R[k] = inverse(inner)
     for k in range(s):
         S[k] = product(R[k], M) / (2.0 * k + 3.0)
+
+
+@numba.njit(cache=True)
+def _factor_pair(a, b, c, d, R, S):
+    """`factor` for M = [[a, b], [c, d]], written out: a system of two states spends a third of its time here."""
+    s = R.shape[0]
+    e, f, g, i = a * a + b * c, b * (a + d), c * (a + d), d * d + b * c  # M^2
+    p, q, r, t = 1.0, 0.0, 0.0, 1.0  # R_{s-1}
+    for k in range(s - 1, -1, -1):
+        if k < s - 1:
+            scale = 1.0 / ((2.0 * k + 1.0) * (2.0 * k + 3.0))
+            w, x = 1.0 + scale * (p * e + q * g), scale * (p * f + q * i)
+            y, z = scale * (r * e + t * g), 1.0 + scale * (r * f + t * i)
+            if k == 0:
+                w, x, y, z = w - a, x - b, y - c, z - d
+            over = 1.0 / (w * z - x * y)
+            p, q, r, t = z * over, -x * over, -y * over, w * over
+        R[k, 0, 0], R[k, 0, 1], R[k, 1, 0], R[k, 1, 1] = p, q, r, t
+        scale = 1.0 / (2.0 * k + 3.0)
+        S[k, 0, 0], S[k, 0, 1] = scale * (p * a + q * c), scale * (p * b + q * d)
+        S[k, 1, 0], S[k, 1, 1] = scale * (r * a + t * c), scale * (r * b + t * d)
 
 
 @numba.njit(cache=True, fastmath=SUMS)
@@ -157,5 +182,15 @@ def transformed(matrix, values, out):
     for i in range(len(out)):
         total = 0.0
         for j in range(len(values)):
+            total += matrix[i, j] * values[j]
+        out[i] = total
+
+
+@numba.njit(cache=True)
+def chebyshev_from(matrix, values, out):
+    """out = matrix @ values where T_i and P_j meet only for j >= i of the same parity."""
+    for i in range(len(out)):
+        total = 0.0
+        for j in range(i, len(values), 2):
             total += matrix[i, j] * values[j]
         out[i] = total

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numba
 import numpy as np
 
-from flycontrol.delay.kernels.collocation import SUMS, clenshaw, factor, legendre, solve, transformed
+from flycontrol.delay.kernels.collocation import SUMS, chebyshev_from, clenshaw, factor, legendre, solve, transformed
 
 _LANES = 64
 
@@ -14,18 +14,33 @@ _LANES = 64
 def rate_scale(A, B2, C2):
     """Infinity norm of |A| + |B2| |C2| after Osborne's diagonal balancing [1/s]: how fast anything here can move."""
     n = A.shape[0]
-    M = np.abs(A) + np.abs(B2) @ np.abs(C2)
+    M = np.abs(A)
+    for a in range(n):
+        for c in range(C2.shape[0]):
+            for b in range(n):
+                M[a, b] += abs(B2[a, c]) * abs(C2[c, b])
     for _ in range(20):
+        moved = False
         for i in range(n):
-            row = M[i].sum() - M[i, i]
-            column = M[:, i].sum() - M[i, i]
+            row, column = 0.0, 0.0
+            for j in range(n):
+                if j != i:
+                    row += M[i, j]
+                    column += M[j, i]
             if row > 0.0 and column > 0.0:
                 factor = np.sqrt(column / row)
-                M[i] *= factor
-                M[:, i] /= factor
+                moved |= abs(factor - 1.0) > 1e-2
+                for j in range(n):
+                    M[i, j] *= factor
+                    M[j, i] /= factor
+        if not moved:
+            break
     largest = 0.0
     for i in range(n):
-        largest = max(largest, M[i].sum())
+        row = 0.0
+        for j in range(n):
+            row += M[i, j]
+        largest = max(largest, row)
     return largest
 
 
@@ -43,16 +58,35 @@ def _merged(times, tolerance):
 
 
 @numba.njit(cache=True)
+def _images_of_one_delay(edges, delay, end, tolerance):
+    """Edges and their images under all multiples of one delay inside [0, end]."""
+    found = np.empty(1 + len(edges) * (3 + int((end - min(0.0, edges.min())) / delay)))
+    count = 0
+    for edge in edges:
+        k = 0
+        t = edge
+        while t < end - tolerance:
+            if t >= 0.0:
+                found[count] = t
+                count += 1
+            k += 1
+            t = edge + k * delay
+    found[count] = end
+    return _merged(found[: count + 1], tolerance)
+
+
+@numba.njit(cache=True)
 def breakpoints(edges, tau, end, order):
     """Edges and their images under sums of up to `order` delays (all sums for a single delay) inside [0, end].
 
     Edges in the past are kinks of the history: only their images count.
     """
     tolerance = 1e-12 * end
+    if len(tau) == 1:
+        return _images_of_one_delay(edges, tau[0], end, tolerance)
     kept = edges[(edges >= 0.0) & (edges < end - tolerance)]
     newest = edges
-    rounds = 2 + int(end / tau.min()) if len(tau) == 1 else order
-    for _ in range(rounds if len(tau) else 0):
+    for _ in range(order if len(tau) else 0):
         images = np.empty(len(newest) * len(tau))
         count = 0
         for t in newest:
@@ -95,6 +129,10 @@ def _delayed(c, panel, t0, h, starts, lengths, delay, z_series, nodes, to_legend
     where[c] = k
     if abs(starts[k] - first) <= sliver and abs(lengths[k] - h) <= sliver:  # a whole earlier panel
         w[:] = z_series[k, c]
+        return
+    if starts[k] + lengths[k] >= first + h - 1e-9 * h and not z_series[k, c, 1:].any():  # at rest
+        w[:] = 0.0
+        w[0] = z_series[k, c, 0]
         return
     for i in range(len(w)):
         t = first if i == 0 else first + nodes[i - 1] * h
@@ -219,7 +257,7 @@ def march_panels(blocks, grid, past, u_series, jumps, x0, rule):
             x[a] += h * c[0, a]
         for row in range(p):
             _readout(C1, D11, D12, X, u, W, row, y)
-            transformed(to_chebyshev, y, y_series[panel, row])
+            chebyshev_from(to_chebyshev, y, y_series[panel, row])
         for row in range(q):
             _readout(C2, D21, D22, X, u, W, row, z_series[H + panel, row])
     states[P] = x
