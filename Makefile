@@ -25,6 +25,7 @@ FLIGHTS := $(notdir $(basename $(wildcard $(DATA)/muijres_freeflight/2*.txt)))
 reports: report
 	$(BIN)/python analyses/late_but_in_time.py
 	$(BIN)/python analyses/nominal_gains.py
+	$(BIN)/python analyses/pade_or_exact.py
 	for flight in $(FLIGHTS); do $(BIN)/flycontrol report --parameters drosophila_hydei --mapping muijres_freeflight \
 	  --recording $(DATA)/muijres_freeflight/$$flight.txt --out reports/flights/$$flight || exit 1; done
 
