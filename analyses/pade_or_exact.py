@@ -393,8 +393,8 @@ def draw_responses(ax: "Axes", loop: Loop) -> None:
 # lost, its coefficients having run out of digits, while the ladder goes on converging.
 #
 # So **order 4 is enough for the margins and fits** of loops like these, where w T is at most 1.7 at the phase
-# crossover. The phase of [n/n] errs by (w T)^(2n+1) n!^2 / ((2n)! (2n+1)!), so a loop with more lag to spend needs more. And no
-# approximation can say how wrong it is: that took the exact loop beside it, which costs no more to compute.
+# crossover. The phase of [n/n] errs by (w T)^(2n+1) n!^2 / ((2n)! (2n+1)!), so a loop with more lag to spend
+# needs more. And no approximation can say how wrong it is: that took the exact loop beside it.
 
 
 def smallest_order(wrongs: list[Wrong], error: Callable[[Wrong], float], tolerance: float) -> int | None:
