@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flycontrol.delay.characteristic import CharacteristicBlocks
 from flycontrol.delay.kernels import winding
 from flycontrol.delay.system import DelayLTI, FloatArray
 
@@ -34,7 +35,9 @@ def count_right_of(system: DelayLTI, line: float) -> RootCount:
     return counts_right_of([system], [line])[0]
 
 
-def counts_right_of(systems: Sequence[DelayLTI], lines: Sequence[float] | FloatArray) -> list[RootCount]:
+def counts_right_of(
+    systems: Sequence[DelayLTI | CharacteristicBlocks], lines: Sequence[float] | FloatArray
+) -> list[RootCount]:
     """`count_right_of` for each of many systems and its line [1/s]; those in a row with equal shapes share one call."""
     found: list[RootCount] = []
     while len(found) < len(systems):
@@ -46,14 +49,20 @@ def counts_right_of(systems: Sequence[DelayLTI], lines: Sequence[float] | FloatA
     return found
 
 
-def _shape(system: DelayLTI) -> tuple[int, int]:
-    return system.n_states, system.n_delays
+def _shape(system: DelayLTI | CharacteristicBlocks) -> tuple[int, ...]:
+    return system.B2.shape
 
 
-def _counted(systems: Sequence[DelayLTI], lines: FloatArray) -> list[RootCount]:
-    if systems[0].n_states == 0:
+def stacked(systems: Sequence[DelayLTI | CharacteristicBlocks]) -> CharacteristicBlocks:
+    """The blocks of k systems of equal shapes, as copies with a leading axis (k, ...)."""
+    names = CharacteristicBlocks._fields
+    return CharacteristicBlocks(*[np.array([getattr(s, name) for s in systems], dtype=np.float64) for name in names])
+
+
+def _counted(systems: Sequence[DelayLTI | CharacteristicBlocks], lines: FloatArray) -> list[RootCount]:
+    if len(systems[0].A) == 0:
         return [RootCount(line=float(line), roots=0, steps=0, status="certified") for line in lines]
-    A, B2, C2, D22, tau = (np.array([getattr(s, name) for s in systems]) for name in ("A", "B2", "C2", "D22", "tau"))
+    A, B2, C2, D22, tau = stacked(systems)
     roots, steps = winding.count_each(A, B2, C2, D22, tau, lines, _MOST_STEPS)
     return [
         RootCount(

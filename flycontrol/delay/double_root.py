@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from flycontrol.delay.family import Family, characteristic, characteristic_slope
+from flycontrol.delay.characteristic import matrix, matrix_derivative
+from flycontrol.delay.family import Family
 from flycontrol.delay.system import FloatArray
 
 _MOST_STEPS = 25
@@ -56,11 +57,11 @@ def _bordered(family: Family, s: float, p: float) -> tuple[float, float, float, 
     blocks, beside = family.blocks(point), family.neighbours(point, 0)
     if beside is None or not -s * blocks.tau.max(initial=0.0) < _FAR_LEFT:
         return None
-    U, sigma, Vh = np.linalg.svd(characteristic(blocks, s).real)
+    U, sigma, Vh = np.linalg.svd(matrix(blocks, s).real)
     u, v = U[:, -1], Vh[-1]
-    M_s, M_ss = (characteristic_slope(blocks, s, order).real for order in (1, 2))
-    M_p = (characteristic(beside.after, s) - characteristic(beside.before, s)).real / beside.width
-    M_sp = (characteristic_slope(beside.after, s) - characteristic_slope(beside.before, s)).real / beside.width
+    M_s, M_ss = (matrix_derivative(blocks, s, order).real for order in (1, 2))
+    M_p = (matrix(beside.after, s) - matrix(beside.before, s)).real / beside.width
+    M_sp = (matrix_derivative(beside.after, s) - matrix_derivative(beside.before, s)).real / beside.width
 
     def moved(M_x: FloatArray) -> FloatArray:  # derivative of v
         return -Vh[:-1].T @ ((U[:, :-1].T @ (M_x @ v)) / sigma[:-1])

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from flycontrol.delay.bracket import bracketed_root
 from flycontrol.delay.continuation import Collision, Node, Walk, march
 from flycontrol.delay.count import count_right_of
-from flycontrol.delay.family import Family
+from flycontrol.delay.family import Family, Member
 from flycontrol.delay.kernels import continuation
 from flycontrol.delay.spectrum import Spectrum, rightmost_roots
 from flycontrol.delay.system import ComplexArray, DelayLTI, FloatArray
@@ -65,7 +65,7 @@ class _Draft:
     doubts: list[str] = field(default_factory=list[str])
 
 
-def root_locus(system_at: Callable[[float], DelayLTI], values: ArrayLike, count: int = 8) -> RootLocus:
+def root_locus(system_at: Callable[[float], Member], values: ArrayLike, count: int = 8) -> RootLocus:
     """The branches that hold the `count` rightmost roots of system_at(v) at each value v, over the whole range.
 
     Branches are followed from value to value by their speed and Newton on the exact equation, with steps so short that
