@@ -18,11 +18,11 @@ Member = DelayLTI | CharacteristicBlocks
 
 
 class Neighbours(NamedTuple):
-    """The blocks on both sides of a point along one parameter."""
+    """The blocks at a point and at one beside it along one parameter."""
 
     before: CharacteristicBlocks
     after: CharacteristicBlocks
-    width: float  #: distance between the two, in the parameter's unit
+    width: float  #: from the first to the second, in the parameter's unit; negative at the end of the range
 
 
 class Family:
@@ -47,6 +47,7 @@ class Family:
         self.low, self.high = low, high
         self._system_at = system_at
         self._shapes: tuple[tuple[int, ...], ...] = ()
+        self._recent: dict[tuple[float, ...], Member] = {}  # a step asks for the same few points again and again
         middle = characteristic_blocks(self.system(0.5 * (low + high)))
         self._shapes = middle.shapes
         self._factors = winding.scale(middle.A, middle.B2, middle.C2, middle.D22)
@@ -55,20 +56,28 @@ class Family:
 
     def member(self, point: FloatArray) -> Member:
         """What the family returns at a point (p,), known to be of retarded type."""
+        place = tuple(point.tolist())
+        if place not in self._recent:
+            if len(self._recent) > 8:
+                self._recent.clear()
+            self._recent[place] = self._checked(place)
+        return self._recent[place]
+
+    def _checked(self, place: tuple[float, ...]) -> Member:
         try:
-            member = self._system_at(*point.tolist())
+            member = self._system_at(*place)
             if isinstance(member, CharacteristicBlocks) and not self._fits(member):
                 without_ports(member)  # says what is wrong
         except InvalidParameterError as refusal:
             raise InvalidParameterError(
-                f"The family has no system at {_written(point)}: {refusal} Choose a range where it has, and build a "
+                f"The family has no system at {_written(place)}: {refusal} Choose a range where it has, and build a "
                 "delay that goes to zero with flycontrol.delay's `delay`, which is the identity there."
             ) from refusal
         if not isinstance(member, Member):
-            raise InvalidParameterError(f"A family must return a DelayLTI, got {member!r} at {_written(point)}.")
+            raise InvalidParameterError(f"A family must return a DelayLTI, got {member!r} at {_written(place)}.")
         if member.D22.any() and not is_retarded(as_system(member)):
             raise NeutralSystemError(
-                f"At {_written(point)} the system is of neutral type (a delay feeds back into itself without passing "
+                f"At {_written(place)} the system is of neutral type (a delay feeds back into itself without passing "
                 "a state): infinitely many roots can cross at once. Put a lag into that path."
             )
         return member
@@ -94,17 +103,14 @@ class Family:
         )
 
     def neighbours(self, point: FloatArray, axis: int) -> Neighbours | None:
-        """Blocks on both sides along one parameter, inside the box; None where the family's structure changes."""
+        """Blocks at the point and beside it along one parameter; None where the family's structure changes."""
         step = _STEP * max(1e-3 * float(self.high[axis] - self.low[axis]), abs(float(point[axis])))
-        sides: list[FloatArray] = []
-        for offset in (-step, step):
-            side = point.copy()
-            side[axis] = min(max(point[axis] + offset, self.low[axis]), self.high[axis])
-            sides.append(side)
-        before, after = (self.blocks(side) for side in sides)
-        if before.B2.shape != after.B2.shape:
+        beside = point.copy()
+        beside[axis] += step if point[axis] + step <= self.high[axis] else -step
+        here, there = self.blocks(point), self.blocks(beside)
+        if here.B2.shape != there.B2.shape:
             return None
-        return Neighbours(before, after, float(sides[1][axis] - sides[0][axis]))
+        return Neighbours(here, there, float(beside[axis] - point[axis]))
 
 
 def as_system(member: Member) -> DelayLTI:
@@ -112,5 +118,5 @@ def as_system(member: Member) -> DelayLTI:
     return member if isinstance(member, DelayLTI) else without_ports(member)
 
 
-def _written(point: FloatArray) -> str:
-    return ", ".join(f"{x:g}" for x in point)
+def _written(place: tuple[float, ...]) -> str:
+    return ", ".join(f"{x:g}" for x in place)

@@ -49,7 +49,7 @@ def correct(A, B2, C2, D22, tau, starts, typical):
 
 @numba.njit(cache=True)
 def speeds(A, B2, C2, D22, tau, before, after, width, roots):
-    """ds/dp = -tr(M^-1 M_p) / tr(M^-1 M_s) at each root, M_p from blocks on both sides at a distance `width`."""
+    """ds/dp = -tr(M^-1 M_p) / tr(M^-1 M_s) at each root, M_p from blocks at two places `width` apart."""
     n, q = A.shape[0], len(tau)
     size = n + q
     M, inverse = np.empty((size, size), np.complex128), np.empty((size, size), np.complex128)
