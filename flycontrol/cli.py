@@ -35,8 +35,12 @@ def main() -> None:
     """Run the command line: status 0 when done, 2 with one sentence for what the user can mend, 130 for Ctrl-C."""
     try:
         app()
+    except SystemExit as ended:  # Typer turns Ctrl-C into this status before main could see it
+        if ended.code == INTERRUPTED:
+            _say("interrupted; nothing was written.")
+        raise
     except KeyboardInterrupt:
-        _say("interrupted")
+        _say("interrupted; nothing was written.")
         sys.exit(INTERRUPTED)
     except FlycontrolError as error:
         _say(str(error))

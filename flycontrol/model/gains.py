@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flycontrol.delay.bracket import bracketed_root
 from flycontrol.delay.response import collocation_rule
 from flycontrol.delay.system import FloatArray
 from flycontrol.errors import InvalidParameterError
@@ -72,14 +73,30 @@ def fastest_decay(b: float, delay: float) -> tuple[float, float, float]:
 
 def fastest_proportional(b: float, delay: float, task: PulseTask) -> ChosenGains:
     """P alone on the yaw angle (kd = 0) with the shortest recovery in the task."""
-    scale = 1.0 / delay
-    kp = np.geomspace(0.02, 1.0, 160) * (b * scale + scale**2)
+    most = _largest_stable_proportional(b, delay)
+    kp = np.geomspace(0.01 * min(b**2, most), 0.999 * most, 200)
     for _ in range(4):
         times = _recovery_sweep(b, kp, np.zeros_like(kp), delay, task)
         k = int(np.argmin(times))
         kp = np.linspace(kp[max(k - 2, 0)], kp[min(k + 2, len(kp) - 1)], 60)
     times = _recovery_sweep(b, kp, np.zeros_like(kp), delay, task)
     return _chosen("fastest P", b, delay, task, float(kp[np.argmin(times)]), 0.0)
+
+
+def _largest_stable_proportional(b: float, delay: float) -> float:
+    """K_P/I at which P alone loses stability: w tan(w T) = b, kp = w sqrt(w^2 + b^2) [1/s^2].
+
+    Raises
+    ------
+    InvalidParameterError
+        If b is not > 0: without damping no proportional gain is stable under a delay.
+    """
+    if not (b > 0 and delay > 0):
+        raise InvalidParameterError(
+            f"P alone has a largest stable gain only with damping and delay > 0, got {b!r} 1/s and {delay!r} s."
+        )
+    w = bracketed_root(lambda w: w * np.sin(w * delay) - b * np.cos(w * delay), 1e-9 / delay, np.pi / 2 / delay)
+    return float(w * np.hypot(w, b))
 
 
 def fastest_pd(b: float, delay: float, task: PulseTask, modulus_margin: float = 0.0) -> ChosenGains:
@@ -142,7 +159,7 @@ def _recovery_sweep(b: float, kp: FloatArray, kd: FloatArray, delay: float, task
     stable = np.array(
         [p > 0 and b + d > 0 and delay < 0.97 * largest_stable_delay(b, p, d) for p, d in zip(kp, kd, strict=True)]
     )
-    horizon = 4 * task.duration + 16 * delay
+    horizon = 4 * task.duration + 16 * delay + (10 / b if b > 0 else 0.0)
     ratio = task.tolerance / task.peak
     times[stable] = kernels.recovery_times(
         b, kp[stable], kd[stable], delay, task.duration, ratio, horizon, collocation_rule()

@@ -24,8 +24,8 @@ class Mode:
 
     @property
     def time_constant(self) -> float:
-        """Time in which the mode falls by a factor e [s]; negative when it grows."""
-        return -1.0 / self.root.real
+        """Time in which the mode falls by a factor e [s]; negative when it grows, infinite when it does neither."""
+        return -1.0 / self.root.real if self.root.real else float("inf")
 
     @property
     def frequency(self) -> float:
@@ -34,8 +34,8 @@ class Mode:
 
     @property
     def damping_ratio(self) -> float:
-        """-Re / |root|."""
-        return -self.root.real / abs(self.root)
+        """-Re / |root|; 0 for a root at the origin."""
+        return -self.root.real / abs(self.root) if self.root else 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

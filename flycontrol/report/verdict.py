@@ -61,6 +61,12 @@ def _sentences(study: StabilityStudy, parameters: Parameters) -> tuple[str, ...]
     result, margins = study.result, study.result.margins
     if margins is None:
         growth = result.poles[0]
+        if abs(growth.real) < 1e-9 * max(1.0, abs(growth)):
+            return (
+                f"The yaw loop of {parameters.name} is not asymptotically stable.",
+                f"Its rightmost pole, {root(complex(growth))} 1/s, lies on the imaginary axis: a deflection neither grows "
+                "nor dies away; margins and a recovery time do not exist.",
+            )
         return (
             f"The yaw loop of {parameters.name} is unstable.",
             f"Its rightmost pole, {root(complex(growth))} 1/s, makes any deflection grow by a factor e every "
@@ -119,13 +125,20 @@ def _frequencies(margins: Margins) -> str:
 
 def _mode_findings(modes: list[Mode]) -> list[Finding]:
     slowest, fastest = modes[0], modes[-1]
-    return [_mode_finding("Slowest mode", slowest), _mode_finding(f"Fastest of the {len(modes)} listed modes", fastest)]
+    return [
+        _mode_finding("Growing mode" if slowest.root.real > 0 else "Slowest mode", slowest),
+        _mode_finding(f"Fastest of the {len(modes)} listed modes", fastest),
+    ]
 
 
 def _mode_finding(name: str, mode: Mode) -> Finding:
     turns = (
         f"{fixed(mode.frequency, 1, 'Hz')}, damping ratio {fixed(mode.damping_ratio, 2)}" if mode.frequency else "real"
     )
+    if np.isinf(mode.time_constant):
+        return Finding(
+            quantity=name, value=root(mode.root) + "\N{NO-BREAK SPACE}1/s", meaning="neither grows nor decays"
+        )
     time = f"time constant {milliseconds(mode.time_constant)}" if mode.root.real < 0 else (
         f"grows by a factor e in {milliseconds(-mode.time_constant)}"
     )  # fmt: skip

@@ -102,6 +102,9 @@ def _draw_branches(ax: Axes, locus: RootLocus) -> None:
 
 
 def _frame(ax: Axes, real: tuple[float, float], top: float) -> None:
+    if not real[0] < real[1]:  # a locus that does not move
+        real = (real[0] - 1.0, real[0] + 1.0) if np.isfinite(real[0]) else (-1.0, 1.0)
+    top = top if np.isfinite(top) and top > 0 else 1.0
     ax.set_xlim(*real)
     ax.set_ylim(-0.03 * top, top)
     ax.axvspan(0, real[1], color=FORBIDDEN, zorder=0, linewidth=0)
