@@ -57,8 +57,8 @@ def identify_turns(
     rates = angular_velocity(recording)[:, 2]
     if np.ptp(rates) == 0:
         raise InvalidInputError(
-            f"{recording.name}: the yaw rate is {rates[0]:g} rad/s in every sample, so no turn can be studied; check the "
-            "mapping of angular velocity."
+            f"{recording.name}: the yaw rate is {rates[0]:g} rad/s in every sample, so no turn can be studied; check "
+            "the mapping of angular velocity."
         )
     at_reversals = CubicSpline(recording.time, rates)(beats.reversals)
     mean_rate = wingbeat_mean(rates, recording.time, beats)

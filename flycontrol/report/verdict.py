@@ -64,8 +64,8 @@ def _sentences(study: StabilityStudy, parameters: Parameters) -> tuple[str, ...]
         if abs(growth.real) < 1e-9 * max(1.0, abs(growth)):
             return (
                 f"The yaw loop of {parameters.name} is not asymptotically stable.",
-                f"Its rightmost pole, {root(complex(growth))} 1/s, lies on the imaginary axis: a deflection neither grows "
-                "nor dies away; margins and a recovery time do not exist.",
+                f"Its rightmost pole, {root(complex(growth))} 1/s, lies on the imaginary axis: a deflection neither "
+                "grows nor dies away; margins and a recovery time do not exist.",
             )
         return (
             f"The yaw loop of {parameters.name} is unstable.",
