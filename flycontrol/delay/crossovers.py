@@ -23,7 +23,7 @@ def gain_crossovers(blocks: Blocks, pieces: Panels) -> FloatArray:
     InvalidParameterError
         If |L| = 1 on a whole panel.
     """
-    excess = bernstein.squared(pieces.series[:, :, 0, 0])
+    excess = bernstein.squared(pieces.entry)
     excess[:, 0] -= 1.0
     points = excess @ bernstein_matrix(excess.shape[1] - 1).T
     noise = 4.0 * pieces.error  # of |L|^2 where |L| is about 1
@@ -38,7 +38,7 @@ def gain_crossovers(blocks: Blocks, pieces: Panels) -> FloatArray:
 
 def phase_crossovers(blocks: Blocks, pieces: Panels, floor: float) -> FloatArray:
     """Every frequency with L real and negative and |L| above the floor [rad/s], rising: roots of Im L."""
-    series = pieces.series[:, :, 0, 0]
+    series = pieces.entry
     points = np.ascontiguousarray((series @ bernstein_matrix(series.shape[1] - 1).T).imag)
     at_rest = pieces.centre == pieces.half  # panels from s = 0, where Im L has a root whatever the loop
     points[at_rest] = _divided_by_frequency(points[at_rest])
@@ -53,7 +53,7 @@ def phase_crossovers(blocks: Blocks, pieces: Panels, floor: float) -> FloatArray
 
 def nearest_to_minus_one(blocks: Blocks, pieces: Panels) -> tuple[float, float]:
     """The smallest |1 + L| and its frequency [rad/s]: the least value of |1 + L|^2, a root of its derivative."""
-    series = pieces.series[:, :, 0, 0].copy()
+    series = pieces.entry.copy()
     series[:, 0] += 1.0
     square = bernstein.squared(series)
     _, panel, u = bernstein.smallest(square @ bernstein_matrix(square.shape[1] - 1).T, 1e-9)
@@ -62,6 +62,8 @@ def nearest_to_minus_one(blocks: Blocks, pieces: Panels) -> tuple[float, float]:
         curvature = slope.deriv()(u)
         step = slope(u) / curvature if curvature > 0 else 0.0
         u = min(1.0, max(-1.0, u - step if abs(step) < 0.1 else u))
+    if pieces.centre[panel] == pieces.half[panel] and u < -1 + 1e-6:  # |1 + L| is even in w: a minimum at w = 0 itself
+        u = -1.0
     omega = (pieces.centre[panel] + pieces.half[panel] * u).imag
     return float(np.abs(1.0 + transfer(blocks, np.array([1j * omega]))[0][0, 0, 0])), float(omega)
 

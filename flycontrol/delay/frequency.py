@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,6 +12,9 @@ from flycontrol.delay.frequency_domain import FrequencyDomain, frequency_domain
 from flycontrol.delay.panels import kernel_blocks, transfer
 from flycontrol.delay.system import ComplexArray, DelayLTI, FloatArray
 from flycontrol.errors import InvalidParameterError
+
+if TYPE_CHECKING:
+    from flycontrol.delay.convert import Operand
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,7 +61,7 @@ def evaluate(system: DelayLTI, omega: FloatArray) -> ComplexArray:
 
 
 def frequency_response(
-    system: DelayLTI, low: float | None = None, high: float | None = None, turn: float = 0.1
+    system: Operand, low: float | None = None, high: float | None = None, turn: float = 0.1
 ) -> FrequencyResponse:
     """L(j w) from `low` to `high` [rad/s], refined until log L moves by less than `turn` between neighbours.
 
@@ -69,8 +73,8 @@ def frequency_response(
     InvalidParameterError
         If the system is not SISO or the range is empty.
     """
-    require_siso(system)
     it = frequency_domain(system)
+    require_siso(it.system)
     lowest, highest = _active(it)
     low, high = lowest if low is None else low, highest if high is None else high
     if not 0 < low < high:
@@ -88,7 +92,7 @@ def _refined(it: FrequencyDomain, omega: FloatArray, poles: list[float], turn: f
     """Points added between neighbours apart by more than `turn`, but none across a pole."""
     value = it.values(omega)[:, 0, 0]
     for _ in range(40):
-        nonzero = np.where(value == 0, 1e-300, value)
+        nonzero = np.where(value == 0, 1e-150, value)
         step = np.abs(np.log(nonzero[1:] / nonzero[:-1]))
         gap = np.diff(omega)
         across = np.searchsorted(poles, omega[:-1] * (1 + 1e-9)) < np.searchsorted(poles, omega[1:] * (1 - 1e-9))

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flycontrol.delay.asymptote import Asymptote, asymptote
 from flycontrol.delay.balance import balance, root_bound
+from flycontrol.delay.convert import as_delay_lti
 from flycontrol.delay.open_loop import OpenLoopPoles, open_loop_poles
 from flycontrol.delay.panels import Blocks, Panels, joined, kernel_blocks, panels_along, transfer
 from flycontrol.delay.system import ComplexArray, DelayLTI, FloatArray
 
+if TYPE_CHECKING:
+    from flycontrol.delay.convert import Operand
+
 _GAP = 1e-7  # of its frequency: what panels leave out on either side of a pole on the imaginary axis
-_MOST_TURNS = 2e4  # radians of delay up to which panels are few enough
+_MOST_TURNS = 1e5  # radians of delay up to which panels are few enough
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,6 +38,11 @@ class FrequencyDomain:
         """Whether panels up to a frequency [rad/s] are few enough."""
         return top * float(self.system.tau.sum()) < _MOST_TURNS
 
+    def affordable_top(self, top: float) -> float:
+        """The same frequency, or the largest affordable one [rad/s]."""
+        turns = top * float(self.system.tau.sum())
+        return top if turns < _MOST_TURNS else top * _MOST_TURNS / turns
+
     def stretches(self, low: float, high: float) -> list[tuple[float, float]]:
         """The range from low to high [rad/s], without the near neighbourhood of poles on the imaginary axis."""
         ends = [low]
@@ -43,10 +53,10 @@ class FrequencyDomain:
         ends.append(high)
         return list(zip(ends[::2], ends[1::2], strict=True))
 
-    def panels(self, low: float, high: float) -> Panels:
-        """Panels on every stretch from low to high [rad/s]."""
+    def panels(self, low: float, high: float, floor: float = 0.0) -> Panels:
+        """Panels on every stretch from low to high [rad/s]; errors below `floor` are good enough."""
         stretches = self.stretches(low, high)
-        return joined([panels_along(self.blocks, 1j * a, 1j * b, first=0.1 * a or None) for a, b in stretches])
+        return joined([panels_along(self.blocks, 1j * a, 1j * b, 0.1 * a, floor) for a, b in stretches])
 
     def lowest(self) -> float:
         """Where panels start [rad/s]: 0, or with an integrator, where |G| > 10 below every rate and keeps growing."""
@@ -69,7 +79,7 @@ class FrequencyDomain:
         return float(min([r for r in rates if r > 1e-9 * radius] + [1.0 / t for t in x.tau] + [radius]))
 
 
-def frequency_domain(system: DelayLTI) -> FrequencyDomain:
+def frequency_domain(system: Operand) -> FrequencyDomain:
     """Make a system ready.
 
     Raises
@@ -77,5 +87,5 @@ def frequency_domain(system: DelayLTI) -> FrequencyDomain:
     NeutralSystemError
         If a delay feeds back into itself without passing a state, or inner loops defy a list of their poles.
     """
-    balanced = balance(system)
+    balanced = balance(as_delay_lti(system))
     return FrequencyDomain(balanced, kernel_blocks(balanced), asymptote(balanced), open_loop_poles(balanced))

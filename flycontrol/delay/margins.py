@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,8 +11,11 @@ from flycontrol.delay.asymptote import Asymptote
 from flycontrol.delay.crossovers import gain_crossovers, nearest_to_minus_one, phase_crossovers
 from flycontrol.delay.frequency import require_siso
 from flycontrol.delay.frequency_domain import FrequencyDomain, frequency_domain
-from flycontrol.delay.system import DelayLTI, FloatArray
+from flycontrol.delay.system import FloatArray
 from flycontrol.errors import InvalidParameterError, NeutralSystemError
+
+if TYPE_CHECKING:
+    from flycontrol.delay.convert import Operand
 
 _LEAST = 1e-9  # size of L down to which a margin is looked for that does not show above the floor
 
@@ -34,7 +38,7 @@ class Margins:
     floor: float  #: |L| under which phase crossovers are left out
 
 
-def margins(loop: DelayLTI, floor: float = 0.01) -> Margins:
+def margins(loop: Operand, floor: float = 0.01) -> Margins:
     """Margins of the loop that negative unit feedback closes around `loop`.
 
     L is a polynomial with a proven error on each of the panels that cover all frequencies from 0 (or from far below
@@ -50,10 +54,10 @@ def margins(loop: DelayLTI, floor: float = 0.01) -> Margins:
     NeutralSystemError
         If the direct path through a delay has so much gain that crossovers have no end.
     """
-    require_siso(loop)
     if not 0 < floor < 1:
         raise InvalidParameterError(f"The floor of phase crossovers must lie between 0 and 1, got {floor!r}.")
     it = frequency_domain(loop)
+    require_siso(it.system)
     low = it.lowest()
     top = max(it.far.beyond(floor), it.far.beyond(_room_beside_one(it.far)), 10.0 * low)
     pieces = it.panels(low, top)

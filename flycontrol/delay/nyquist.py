@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,8 +14,11 @@ from flycontrol.delay.frequency_domain import FrequencyDomain, frequency_domain
 from flycontrol.delay.kernels import bernstein
 from flycontrol.delay.open_loop import AxisPole
 from flycontrol.delay.panels import Panels, bernstein_matrix, joined, panels_along
-from flycontrol.delay.system import ComplexArray, DelayLTI
+from flycontrol.delay.system import ComplexArray
 from flycontrol.errors import InvalidParameterError, NeutralSystemError
+
+if TYPE_CHECKING:
+    from flycontrol.delay.convert import Operand
 
 _SHRINKINGS = 40
 _PER_PANEL = 8  # points of the curve
@@ -36,7 +40,7 @@ class NyquistResponse:
     status: str  #: "certified", or why there is no count
 
 
-def nyquist_response(loop: DelayLTI) -> NyquistResponse:
+def nyquist_response(loop: Operand) -> NyquistResponse:
     """Nyquist's contour of a loop with one input and one output, closed by negative unit feedback.
 
     The contour runs up the imaginary axis and passes each pole on it by two straight lines on its right. On its panels
@@ -51,8 +55,8 @@ def nyquist_response(loop: DelayLTI) -> NyquistResponse:
     NeutralSystemError
         If its direct path through delays has so much gain that closing it makes a neutral system.
     """
-    require_siso(loop)
     it = frequency_domain(loop)
+    require_siso(it.system)
     on_axis = it.poles.on_axis
     radii = [_indentation(it, pole) for pole in on_axis]
     shown = [radius or 1e-6 * it.slowest_rate() for radius in radii]
@@ -111,7 +115,7 @@ def _turns_alone(it: FrequencyDomain, centre: complex, radius: float) -> int | N
     """Turns of L around 0 on a diamond, counter-clockwise; None unless |L| > 1 all along."""
     corners = [centre + radius * corner for corner in (-1j, 1.0, 1j, -1.0, -1j)]
     pieces = joined([panels_along(it.blocks, a, b) for a, b in pairwise(corners)])
-    series = pieces.series[:, :, 0, 0]
+    series = pieces.entry
     square = bernstein.squared(series)
     least, _, _ = bernstein.smallest(square @ bernstein_matrix(square.shape[1] - 1).T, 1e-3)
     turn = bernstein.turn(series @ bernstein_matrix(series.shape[1] - 1).T, pieces.error).sum() / (2 * np.pi)
@@ -129,7 +133,7 @@ def _contour(on_it: list[AxisPole], radii: list[float], top: float) -> list[comp
 
 def _encirclements(pieces: Panels, direct: float) -> int | None:
     """Clockwise turns of 1 + L along the contour and its mirror image; None if it passes through 0."""
-    series = pieces.series[:, :, 0, 0].copy()
+    series = pieces.entry.copy()
     series[:, 0] += 1.0
     points = series @ bernstein_matrix(series.shape[1] - 1).T
     along = bernstein.turn(points, pieces.error).sum()
@@ -143,4 +147,4 @@ def _sampled(pieces: Panels) -> tuple[ComplexArray, ComplexArray]:
     u = np.linspace(-1.0, 1.0, _PER_PANEL, endpoint=False)
     powers = u[:, None] ** np.arange(pieces.series.shape[1])
     s = pieces.centre[:, None] + pieces.half[:, None] * u
-    return s.ravel(), (pieces.series[:, :, 0, 0] @ powers.T).ravel()
+    return s.ravel(), (pieces.entry @ powers.T).ravel()

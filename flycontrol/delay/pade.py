@@ -9,6 +9,7 @@ import numpy as np
 
 from flycontrol.delay.convert import delay_free, from_control, to_statespace
 from flycontrol.delay.interconnect import append, connect
+from flycontrol.delay.pade_ladder import damped_ladder
 from flycontrol.delay.system import DelayLTI, FloatArray
 from flycontrol.errors import InvalidParameterError
 
@@ -16,7 +17,7 @@ __all__ = ["PadeMatrices", "from_control", "pade", "pade_matrices", "to_statespa
 
 
 class PadeMatrices(NamedTuple):
-    """State space of the [n/n] approximant of exp(-s), time in units of the delay: A (n, n), B (n,), C (n,), D."""
+    """State space of the [m/n] approximant of exp(-s), time in units of the delay: A (n, n), B (n,), C (n,), D."""
 
     A: FloatArray
     B: FloatArray
@@ -24,22 +25,45 @@ class PadeMatrices(NamedTuple):
     D: float
 
 
-def pade_matrices(order: int) -> PadeMatrices:
-    """[n/n] Pade approximant of exp(-s) = (1 - tanh(s/2)) / (1 + tanh(s/2)), as an LC ladder seen by its waves.
+def pade_matrices(order: int, numdeg: int | None = None) -> PadeMatrices:
+    """[m/n] Pade approximant of exp(-s), its states scaled to stored energy: A + A' = -B B', whatever the order.
 
-    The continued fraction 1 / tanh(s/2) = c1/s + 1 / (c2/s + 1 / (c3/s + ...)), c_k = 2 (2k - 1), cut after n terms,
-    gives exactly the [n/n] approximant. Its elements are n lossless storages; states scaled to stored energy make
-    A + A' = -B B' and C = +-B', so that conditioning stays harmless at any order, while the companion form in seconds
-    fails from about order 12.
+    Conditioning stays harmless, while the companion form in seconds fails from about order 12. [n/n] is all-pass;
+    [n/n], [n-1/n] (the Legendre delay network) and [n-2/n] are stable and never amplify; down to [n-4/n] they are
+    stable.
+
+    Parameters
+    ----------
+    order
+        n, the degree of the denominator.
+    numdeg
+        m, the degree of the numerator, as in python-control: n when left out, n + numdeg when negative.
 
     Raises
     ------
     InvalidParameterError
-        If order is not an integer >= 1.
+        If order is not an integer >= 1, numdeg none from -n to n, or the approximant has unstable poles.
     """
     if not (isinstance(order, int | np.integer) and order >= 1):
         raise InvalidParameterError(f"A Pade order must be an integer >= 1, got {order!r}.")
     n = int(order)
+    if numdeg is None or numdeg == n:
+        return _all_pass_ladder(n)
+    if not (isinstance(numdeg, int | np.integer) and -n <= numdeg <= n):
+        raise InvalidParameterError(
+            f"The numerator of a Pade approximant of order {n} has a degree from 0 to {n} (negative: counted from {n} "
+            f"down), got {numdeg!r}."
+        )
+    A, B, C = damped_ladder(int(numdeg) % n if numdeg < 0 else int(numdeg), n)
+    return PadeMatrices(A, B, C, 0.0)
+
+
+def _all_pass_ladder(n: int) -> PadeMatrices:
+    """[n/n] = (1 - tanh(s/2)) / (1 + tanh(s/2)), as an LC ladder seen by its waves; C = +-B'.
+
+    The continued fraction 1 / tanh(s/2) = c1/s + 1 / (c2/s + 1 / (c3/s + ...)), c_k = 2 (2k - 1), cut after n terms,
+    gives exactly the [n/n] approximant. Its elements are n lossless storages.
+    """
     k = np.arange(1, n + 1)
     cap, coil = (k % 2 == 1).astype(np.float64), (k % 2 == 0).astype(np.float64)
     # v_1 and i_1 in terms of states and of the incoming wave a = v_1 + i_1
@@ -59,19 +83,19 @@ def pade_matrices(order: int) -> PadeMatrices:
     return PadeMatrices(A, np.sqrt(2.0) * B, C / np.sqrt(2.0), v1_a - i1_a)
 
 
-def pade(system: DelayLTI, order: int) -> DelayLTI:
-    """The delay-free system in which every delay is replaced by its [n/n] Pade approximant.
+def pade(system: DelayLTI, order: int, numdeg: int | None = None) -> DelayLTI:
+    """The delay-free system in which every delay is replaced by its [m/n] Pade approximant, see `pade_matrices`.
 
     Raises
     ------
     InvalidParameterError
-        If order is not an integer >= 1.
+        If order or numdeg is no degree, or the approximant has unstable poles.
     AlgebraicLoopError
         If the approximants' direct paths close an algebraic loop (possible only with nonzero D22).
     """
     if system.n_delays == 0:
         return system
-    unit = pade_matrices(order)
+    unit = pade_matrices(order, numdeg)
     channels = append(
         *[delay_free(unit.A / tau, unit.B[:, None] / tau, unit.C[None, :], np.array([[unit.D]])) for tau in system.tau]
     )

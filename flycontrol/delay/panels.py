@@ -24,7 +24,7 @@ from flycontrol.errors import InvalidParameterError
 
 _ORDER = 16
 _TOLERANCE = 1e-12
-MOST_PANELS = 50_000
+MOST_PANELS = 200_000
 
 
 class Blocks(NamedTuple):
@@ -55,6 +55,11 @@ class Panels:
         return len(self.error)
 
     @property
+    def entry(self) -> ComplexArray:
+        """Series of the only entry of a system with one input and one output, shape (P, K + 1)."""
+        return self.series.reshape(len(self), -1)
+
+    @property
     def control_points(self) -> ComplexArray:
         """In Bernstein form, shape (P, K + 1, p, m): G is a convex combination of them, and meets first and last."""
         return np.einsum("ik,Pkab->Piab", bernstein_matrix(self.series.shape[1] - 1), self.series)
@@ -76,17 +81,20 @@ def kernel_blocks(system: DelayLTI) -> Blocks:
     return Blocks(*[np.array(block, order="C") for block in scaled])
 
 
-def panels_along(blocks: Blocks, start: complex, end: complex, first: float | None = None) -> Panels:
+def panels_along(
+    blocks: Blocks, start: complex, end: complex, first: float | None = None, floor: float = 0.0
+) -> Panels:
     """Panels from one complex frequency [1/s] to another; the first tries the half length `first`.
+
+    Errors are 1e-12 of G's size on the panel, or `floor` where that is larger, and what rounding adds.
 
     Raises
     ------
     InvalidParameterError
         If more than `MOST_PANELS` would be needed.
     """
-    found = taylor.panels(
-        blocks, complex(start), complex(end), first or abs(end - start) / 8, _ORDER, _TOLERANCE, MOST_PANELS
-    )
+    first, tolerances = float(first or abs(end - start) / 8), (_TOLERANCE, float(floor))
+    found = taylor.panels(blocks, complex(start), complex(end), first, _ORDER, tolerances, MOST_PANELS)
     centre, half, series, error, done = cast("tuple[ComplexArray, ComplexArray, ComplexArray, FloatArray, bool]", found)
     if not done:
         raise InvalidParameterError(

@@ -15,14 +15,13 @@ _DEEPEST = 26  # halvings: two roots within 2^-26 of a panel count as one touch
 @numba.njit(cache=True)
 def _halves(points):
     """De Casteljau's algorithm: control points (n + 1, d) of the left and of the right half."""
-    n = points.shape[0] - 1
+    n, many = points.shape[0] - 1, points.shape[1]
     left, right, work = np.empty_like(points), np.empty_like(points), points.copy()
-    left[0], right[n] = work[0], work[n]
-    for k in range(1, n + 1):
-        for i in range(n + 1 - k):
-            for e in range(points.shape[1]):
+    for k in range(n + 1):
+        for e in range(many):
+            for i in range(n + 1 - k if k else 0):
                 work[i, e] = 0.5 * (work[i, e] + work[i + 1, e])
-        left[k], right[n - k] = work[0], work[n - k]
+            left[k, e], right[n - k, e] = work[0, e], work[n - k, e]
     return left, right
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from flycontrol.delay.kernels.winding import characteristic, invert
 
 _LEAST_PIVOT = 0.1  # of I - Q: far enough from 0 that rounding cannot make it positive
-_ROUNDING = 1e-14  # of the polynomial's size: matrices are solved to rounding only
+_ROUNDING = 1e-15  # of what an entry of G is summed from, for each state and delay: solved to rounding only
 
 
 @numba.njit(cache=True)
@@ -48,22 +48,26 @@ def _expand(inverse, b, s0, g, X, Z):
 
 @numba.njit(cache=True)
 def _read(b, X, series):
-    """Coefficients (K + 1, p, m) of G = D11 + [C1 D12] X; returns the largest sum of sizes in an entry."""
+    """Coefficients (K + 1, p, m) of G = D11 + [C1 D12] X; largest sums of sizes: of coefficients, of what they sum."""
     n, q = b.B2.shape
-    largest = 0.0
+    largest, all_terms = 0.0, 0.0
     for row in range(series.shape[1]):
         for col in range(series.shape[2]):
-            reach = 0.0
+            reach, terms = 0.0, abs(b.D11[row, col])
             for k in range(X.shape[0]):
                 value = b.D11[row, col] + 0.0j if k == 0 else 0.0j
                 for a in range(n):
-                    value += b.C1[row, a] * X[k, a, col]
+                    term = b.C1[row, a] * X[k, a, col]
+                    terms += abs(term.real) + abs(term.imag)
+                    value += term
                 for c in range(q):
-                    value += b.D12[row, c] * X[k, n + c, col]
+                    term = b.D12[row, c] * X[k, n + c, col]
+                    terms += abs(term.real) + abs(term.imag)
+                    value += term
                 series[k, row, col] = value
                 reach += abs(value)
-            largest = max(largest, reach)
-    return largest
+            largest, all_terms = max(largest, reach), max(all_terms, terms)
+    return largest, all_terms
 
 
 @numba.njit(cache=True)
@@ -169,15 +173,18 @@ def _remainder(sizes, T, b, s0, h, X, Z):
 @numba.njit(cache=True)
 def _grown(old):
     new = np.empty((2 * old.shape[0], *old.shape[1:]), old.dtype)
-    new[: old.shape[0]] = old
+    source, target = old.reshape(-1), new.reshape(-1)
+    for i in range(source.size):  # entry by entry: slices take seconds to compile
+        target[i] = source[i]
     return new
 
 
 @numba.njit(cache=True)
-def panels(b, start, end, first, order, tolerance, most):
+def panels(b, start, end, first, order, tolerances, most):
     """Cover the segment from start to end; returns centres, g, series in u (P, K + 1, p, m), errors, and whether done.
 
-    The first panel tries the half length `first`; every next one what the last suggests.
+    The first panel tries the half length `first`; every next one what the last suggests. `tolerances` are the relative
+    one, and an absolute one that is good enough.
     """
     size, q, m, length = b.A.shape[0] + len(b.tau), len(b.tau), b.B1.shape[1], abs(end - start)
     centres, halves, errors = np.empty(64, np.complex128), np.empty(64, np.complex128), np.empty(64)
@@ -185,6 +192,7 @@ def panels(b, start, end, first, order, tolerance, most):
     M, inverse = np.empty((size, size), np.complex128), np.empty((size, size), np.complex128)
     X, Z = np.empty((order + 1, size, m), np.complex128), np.empty((order + 1, q, m), np.complex128)
     T, sizes = np.empty((size, size)), np.empty((size, size))
+    tolerance, floor = tolerances
     t, h, count, tries = 0.0, first, 0, 0
     while t < length * (1.0 - 1e-14) and count < most and tries < 4 * most:
         tries += 1
@@ -194,7 +202,9 @@ def panels(b, start, end, first, order, tolerance, most):
         if invert(M, inverse) == 0.0:
             h *= 0.5
             continue
-        sizes[:] = np.abs(inverse)
+        for i in range(size):
+            for j in range(size):
+                sizes[i, j] = abs(inverse[i, j])
         _change(sizes, b, s0, h, T)
         pivot = _factor(T)
         if not pivot > _LEAST_PIVOT:
@@ -203,13 +213,16 @@ def panels(b, start, end, first, order, tolerance, most):
         if count == len(errors):
             centres, halves, errors, series = _grown(centres), _grown(halves), _grown(errors), _grown(series)
         _expand(inverse, b, s0, g, X, Z)
-        scale = _read(b, X, series[count])
+        scale, terms = _read(b, X, series[count])
         error = _remainder(sizes, T, b, s0, h, X, Z)
-        quality = (tolerance * scale / error) ** (1.0 / (order + 1)) if error > 0.0 else 2.0
+        if not np.isfinite(error):
+            h *= 0.2
+            continue
+        quality = (max(tolerance * scale, floor) / error) ** (1.0 / (order + 1)) if error > 0.0 else 2.0
         if quality < 1.0:
             h *= max(0.2, 0.85 * quality)
             continue
-        centres[count], halves[count], errors[count] = s0, g, error + _ROUNDING * scale
+        centres[count], halves[count], errors[count] = s0, g, error + _ROUNDING * size * terms
         count += 1
         t += 2.0 * h
         h *= min(3.0, 0.9 * quality, 0.8 / max(1.0 - pivot, 0.1))
@@ -226,10 +239,12 @@ def values(b, points):
     series = np.empty((2, p, m), np.complex128)
     for k in range(len(points)):
         characteristic(M, b.A, b.B2, b.C2, b.D22, b.tau, points[k])
-        if invert(M, inverse) == 0.0:
-            G[k], slope[k] = np.inf, np.inf
-            continue
-        _expand(inverse, b, points[k], 1.0 + 0.0j, X, Z)
-        _read(b, X, series)
-        G[k], slope[k] = series[0], series[1]
+        regular = invert(M, inverse) != 0.0
+        if regular:
+            _expand(inverse, b, points[k], 1.0 + 0.0j, X, Z)
+            _read(b, X, series)
+        for row in range(p):
+            for col in range(m):
+                G[k, row, col] = series[0, row, col] if regular else np.inf
+                slope[k, row, col] = series[1, row, col] if regular else np.inf
     return G, slope
