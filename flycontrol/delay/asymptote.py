@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flycontrol.delay.system import DelayLTI, FloatArray
-from flycontrol.errors import NeutralSystemError
+from flycontrol.delay.system import DelayLTI, FloatArray, require_retarded
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,16 +54,11 @@ def asymptote(system: DelayLTI) -> Asymptote:
     Raises
     ------
     NeutralSystemError
-        If a delay feeds back into itself without passing a state and without being damped in doing so.
+        If a delay feeds back into itself without passing a state.
     """
+    require_retarded(system)
     x = system
-    loop = np.abs(x.D22)
-    if x.n_delays and np.abs(np.linalg.eigvals(loop)).max() >= 1:
-        raise NeutralSystemError(
-            "A delay feeds back into itself without passing a state, and undamped: the response has no bound at high "
-            "frequencies. Put a lag into that path."
-        )
-    chain = np.linalg.inv(np.eye(x.n_delays) - loop).astype(np.float64)
+    chain = np.linalg.inv(np.eye(x.n_delays) - np.abs(x.D22)).astype(np.float64)
     A: FloatArray = np.abs(x.A) + np.abs(x.B2) @ chain @ np.abs(x.C2)
     B: FloatArray = np.abs(x.B1) + np.abs(x.B2) @ chain @ np.abs(x.D21)
     C: FloatArray = np.abs(x.C1) + np.abs(x.D12) @ chain @ np.abs(x.C2)

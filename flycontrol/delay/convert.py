@@ -103,7 +103,7 @@ def from_control(system: control.InputOutputSystem) -> DelayLTI:
     )
 
 
-def to_statespace(system: DelayLTI, order: int | None = None) -> control.StateSpace:
+def to_statespace(system: Operand, order: int | None = None) -> control.StateSpace:
     """As `control.StateSpace`, names included; delays need a Pade order.
 
     Raises
@@ -115,13 +115,14 @@ def to_statespace(system: DelayLTI, order: int | None = None) -> control.StateSp
 
     from flycontrol.delay.pade import pade
 
-    if system.n_delays and order is None:
+    exact = as_delay_lti(system)
+    if exact.n_delays and order is None:
         raise InvalidParameterError(
-            f"The system has {system.n_delays} delay(s), which a StateSpace cannot hold; give the order of a Pade "
+            f"The system has {exact.n_delays} delay(s), which a StateSpace cannot hold; give the order of a Pade "
             "approximation."
         )
-    rational = pade(system, order) if order is not None else system
-    names = {"name": system.name, "inputs": list(system.input_names), "outputs": list(system.output_names)}
+    rational = pade(exact, order) if order is not None else exact
+    names = {"name": exact.name, "inputs": list(exact.input_names), "outputs": list(exact.output_names)}
     given = {field: value for field, value in names.items() if value}
     return control.StateSpace(rational.A, rational.B1, rational.C1, rational.D11, **given)
 

@@ -4,12 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flycontrol.delay.characteristic import CharacteristicBlocks
+from flycontrol.delay.convert import as_delay_lti
 from flycontrol.delay.kernels import winding
-from flycontrol.delay.system import DelayLTI, FloatArray
+from flycontrol.delay.system import DelayLTI, FloatArray, require_retarded
+from flycontrol.errors import InvalidParameterError
+
+if TYPE_CHECKING:
+    from flycontrol.delay.convert import Operand
 
 _MOST_STEPS = 200_000
 _STATUS = {winding.TOO_NEAR: "a root too near the line", winding.NOT_COUNTED: "not certified"}
@@ -25,14 +31,25 @@ class RootCount:
     status: str  #: "certified", "a root too near the line" or "not certified"
 
 
-def count_right_of(system: DelayLTI, line: float) -> RootCount:
+def count_right_of(system: Operand, line: float) -> RootCount:
     """Count the roots right of Re s = line by the phase of the characteristic function f along it.
 
     On the line the phase is followed from w = 0 to W = R / sin(pi / n), with R a bound on |s| for roots right of it, by
     steps that cannot miss a turn. On the arc beyond, f(s) / s^n is a product of n factors 1 - mu / s with |mu| <= R,
     its phase the principal value. Hence Z = (phase of f on the arc - phase on the line) / pi.
+
+    Raises
+    ------
+    InvalidParameterError
+        If the line is not finite.
+    NeutralSystemError
+        If a delay feeds back into itself without passing a state.
     """
-    return counts_right_of([system], [line])[0]
+    if not np.isfinite(line):
+        raise InvalidParameterError(f"A line to count roots right of must be at a finite Re s [1/s], got {line!r}.")
+    plant = as_delay_lti(system)
+    require_retarded(plant)
+    return counts_right_of([plant], [line])[0]
 
 
 def counts_right_of(

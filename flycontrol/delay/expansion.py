@@ -7,8 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from flycontrol.delay.system import ComplexArray, DelayLTI, FloatArray, is_retarded
-from flycontrol.errors import NeutralSystemError
+from flycontrol.delay.system import ComplexArray, DelayLTI, FloatArray, require_retarded
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,11 +56,7 @@ def expansion(system: DelayLTI) -> Expansion:
     NeutralSystemError
         If a delay feeds back into itself without passing a state.
     """
-    if not is_retarded(system):
-        raise NeutralSystemError(
-            "This system is of neutral type (a delay feeds back into itself without passing a state): its response at "
-            "high frequencies is no finite sum of delays. Put a lag into that path."
-        )
+    require_retarded(system)
     x = system
     from_states, from_inputs = _delayed(x, x.C2), _delayed(x, x.D21)
     A = _constant(x.A) + _constant(x.B2) @ from_states

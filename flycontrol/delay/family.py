@@ -9,7 +9,7 @@ import numpy as np
 
 from flycontrol.delay.characteristic import CharacteristicBlocks, characteristic_blocks, without_ports
 from flycontrol.delay.kernels import winding
-from flycontrol.delay.system import DelayLTI, FloatArray, is_retarded
+from flycontrol.delay.system import DelayLTI, FloatArray, require_retarded
 from flycontrol.errors import InvalidParameterError, NeutralSystemError
 
 _STEP = 1e-6  # of a parameter, for differences: a predictor and Newton's slope need no better ones
@@ -75,11 +75,11 @@ class Family:
             ) from refusal
         if not isinstance(member, Member):
             raise InvalidParameterError(f"A family must return a DelayLTI, got {member!r} at {_written(place)}.")
-        if member.D22.any() and not is_retarded(as_system(member)):
-            raise NeutralSystemError(
-                f"At {_written(place)} the system is of neutral type (a delay feeds back into itself without passing "
-                "a state): infinitely many roots can cross at once. Put a lag into that path."
-            )
+        if member.D22.any():
+            try:
+                require_retarded(as_system(member))
+            except NeutralSystemError as refusal:
+                raise NeutralSystemError(f"At {_written(place)}: {refusal}") from refusal
         return member
 
     def _fits(self, blocks: CharacteristicBlocks) -> bool:

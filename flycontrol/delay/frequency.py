@@ -50,7 +50,8 @@ def require_siso(system: DelayLTI) -> None:
     """
     if (system.n_inputs, system.n_outputs) != (1, 1):
         raise InvalidParameterError(
-            f"Margins need a loop with one input and one output, got {system.n_inputs} and {system.n_outputs}."
+            "Needed is a system with one input and one output, got shape (outputs, inputs) = "
+            f"{(system.n_outputs, system.n_inputs)}; multiply it by a row and a column that pick one of each."
         )
 
 
@@ -71,7 +72,7 @@ def frequency_response(
     Raises
     ------
     InvalidParameterError
-        If the system is not SISO or the range is empty.
+        If the system is not SISO, the range is empty or the turn is not > 0.
     """
     it = frequency_domain(system)
     require_siso(it.system)
@@ -79,6 +80,8 @@ def frequency_response(
     low, high = lowest if low is None else low, highest if high is None else high
     if not 0 < low < high:
         raise InvalidParameterError(f"A frequency range needs 0 < low < high rad/s, got {low!r} and {high!r}.")
+    if not 0 < turn < np.inf:
+        raise InvalidParameterError(f"The turn between neighbours must be > 0 and finite, got {turn!r}.")
     between, pieces = it.stretches(low, high), it.panels(low, high)
     even = np.geomspace(low, high, 60)
     even = even[[any(a <= w <= b for a, b in between) for w in even]]
@@ -111,4 +114,5 @@ def active_range(system: DelayLTI) -> tuple[float, float]:
 
 
 def _active(it: FrequencyDomain) -> tuple[float, float]:
-    return 1e-5 * it.slowest_rate(), max(2.0 * root_bound(it.system, 0.0), it.far.beyond(1.0))
+    low = 1e-5 * it.slowest_rate()
+    return low, max(2.0 * root_bound(it.system, 0.0), it.far.beyond(1.0), 10.0 * low)

@@ -76,7 +76,8 @@ class FrequencyDomain:
         x = self.system
         radius = max(root_bound(x, 0.0), 1e-12)
         rates = np.abs(np.linalg.eigvals(x.A)) if x.n_states else np.zeros(0)
-        return float(min([r for r in rates if r > 1e-9 * radius] + [1.0 / t for t in x.tau] + [radius]))
+        slow = [*rates[rates > 1e-9 * radius], *(1.0 / x.tau)]
+        return float(min(slow, default=radius))
 
 
 def frequency_domain(system: Operand) -> FrequencyDomain:

@@ -142,9 +142,11 @@ def feedback(forward: Operand, back: Operand | None = None, sign: float = -1.0) 
     returning = as_delay_lti(back)
     if _shape(returning) != (m, p):
         raise InvalidParameterError(
-            f"The feedback path must have {p} inputs and {m} outputs, got {returning.n_inputs} and "
-            f"{returning.n_outputs}."
+            f"Around a system of shape (outputs, inputs) = {_shape(ahead)} the feedback path must have shape {(m, p)}, "
+            f"got {_shape(returning)}."
         )
+    if not (isinstance(sign, int | float | np.number) and np.isfinite(sign)):
+        raise InvalidParameterError(f"The sign of a feedback must be a finite number, -1 or 1, got {sign!r}.")
     both = append(ahead, returning)
     F = np.zeros((m + p, p + m))
     F[:m, p:] = sign * np.eye(m)

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from flycontrol.delay.convert import delay_free, from_control, to_statespace
+from flycontrol.delay.convert import as_delay_lti, delay_free, from_control, to_statespace
 from flycontrol.delay.interconnect import append, connect
 from flycontrol.delay.pade_ladder import damped_ladder
 from flycontrol.delay.system import DelayLTI, FloatArray
 from flycontrol.errors import InvalidParameterError
+
+if TYPE_CHECKING:
+    from flycontrol.delay.convert import Operand
 
 __all__ = ["PadeMatrices", "from_control", "pade", "pade_matrices", "to_statespace"]
 
@@ -83,7 +86,7 @@ def _all_pass_ladder(n: int) -> PadeMatrices:
     return PadeMatrices(A, np.sqrt(2.0) * B, C / np.sqrt(2.0), v1_a - i1_a)
 
 
-def pade(system: DelayLTI, order: int, numdeg: int | None = None) -> DelayLTI:
+def pade(system: Operand, order: int, numdeg: int | None = None) -> DelayLTI:
     """The delay-free system in which every delay is replaced by its [m/n] Pade approximant, see `pade_matrices`.
 
     Raises
@@ -93,20 +96,21 @@ def pade(system: DelayLTI, order: int, numdeg: int | None = None) -> DelayLTI:
     AlgebraicLoopError
         If the approximants' direct paths close an algebraic loop (possible only with nonzero D22).
     """
-    if system.n_delays == 0:
-        return system
+    exact = as_delay_lti(system)
+    if exact.n_delays == 0:
+        return exact
     unit = pade_matrices(order, numdeg)
     channels = append(
-        *[delay_free(unit.A / tau, unit.B[:, None] / tau, unit.C[None, :], np.array([[unit.D]])) for tau in system.tau]
+        *[delay_free(unit.A / tau, unit.B[:, None] / tau, unit.C[None, :], np.array([[unit.D]])) for tau in exact.tau]
     )
-    opened = _open_delays(system)
+    opened = _open_delays(exact)
     both = append(opened, channels)
-    m, p, q = system.n_inputs, system.n_outputs, system.n_delays
+    m, p, q = exact.n_inputs, exact.n_outputs, exact.n_delays
     F = np.zeros((m + 2 * q, p + 2 * q))
     F[m : m + q, p + q :] = np.eye(q)  # w = channels' outputs
     F[m + q :, p : p + q] = np.eye(q)  # channels' inputs = z
     rational = connect(both, F, np.eye(m + 2 * q)[:, :m], np.eye(p + 2 * q)[:p])
-    return replace(rational, input_names=system.input_names, output_names=system.output_names, name=system.name)
+    return replace(rational, input_names=exact.input_names, output_names=exact.output_names, name=exact.name)
 
 
 def _open_delays(system: DelayLTI) -> DelayLTI:

@@ -14,8 +14,8 @@ from flycontrol.delay.interconnect import append, delay, feedback, series
 from flycontrol.delay.pade import pade
 from flycontrol.delay.panels import kernel_blocks, transfer
 from flycontrol.delay.peak_gain import linfnorm, peak_between
-from flycontrol.delay.system import ComplexArray, DelayLTI, FloatArray, is_retarded
-from flycontrol.errors import InvalidParameterError, NeutralSystemError, UnstableSystemError
+from flycontrol.delay.system import ComplexArray, DelayLTI, FloatArray, require_retarded
+from flycontrol.errors import InvalidParameterError, UnstableSystemError
 
 if TYPE_CHECKING:
     from flycontrol.delay.convert import Operand
@@ -125,11 +125,7 @@ def _closed(loop: Operand) -> DelayLTI:
     closed = feedback(as_delay_lti(loop))
     if closed.n_delays == 0:
         raise InvalidParameterError("The closed loop has no delay to approximate.")
-    if not is_retarded(closed):
-        raise NeutralSystemError(
-            "The closed loop is of neutral type (its direct path leads through a delay): no order keeps its roots at "
-            "high frequencies. Put a lag into that path."
-        )
+    require_retarded(closed)
     on_axis = frequency_domain(closed).poles.on_axis
     if on_axis:
         raise UnstableSystemError(

@@ -9,8 +9,8 @@ import numpy as np
 from flycontrol.delay.history import constant_history
 from flycontrol.delay.kernels import march as kernels
 from flycontrol.delay.piecewise import PiecewisePolynomial
-from flycontrol.delay.response import Response, collocation_rule, require_retarded
-from flycontrol.delay.system import DelayLTI, FloatArray
+from flycontrol.delay.response import Response, collocation_rule
+from flycontrol.delay.system import DelayLTI, FloatArray, require_retarded
 from flycontrol.errors import InvalidParameterError
 
 

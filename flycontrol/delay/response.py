@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flycontrol.delay.convert import as_delay_lti
 from flycontrol.delay.history import constant_history
 from flycontrol.delay.kernels import march as kernels
-from flycontrol.delay.system import DelayLTI, FloatArray, is_retarded
-from flycontrol.errors import InvalidParameterError, NeutralSystemError
+from flycontrol.delay.system import DelayLTI, FloatArray, require_retarded
+from flycontrol.errors import InvalidParameterError
+
+if TYPE_CHECKING:
+    from flycontrol.delay.convert import Operand
 
 _GAUSS_NODES = 10
 _REACH = 1.0  # longest panel times the fastest rate: the collocation error is then below 1e-12 of the state
@@ -58,7 +63,7 @@ class Response:
 
 
 def response(
-    system: DelayLTI,
+    system: Operand,
     end: float,
     edges: ArrayLike = (0.0,),
     inputs: ArrayLike | None = None,
@@ -86,36 +91,23 @@ def response(
     """
     if not (end > 0 and np.isfinite(end)):
         raise InvalidParameterError(f"The end of a response must be > 0 s, got {end!r}.")
-    require_retarded(system)
+    plant = as_delay_lti(system)
+    require_retarded(plant)
     steps = np.atleast_1d(np.asarray(edges, dtype=np.float64))
-    values = np.zeros((len(steps), system.n_inputs)) if inputs is None else np.asarray(inputs, dtype=np.float64)
+    values = np.zeros((len(steps), plant.n_inputs)) if inputs is None else np.asarray(inputs, dtype=np.float64)
     if values.ndim == 1:
         values = values[:, None]
     if not (steps[0] == 0 and (steps[1:] > steps[:-1]).all()):
         raise InvalidParameterError(f"Input edges must rise from 0 s, got {steps.tolist()!r}.")
-    if values.shape != (len(steps), system.n_inputs) or not np.isfinite(values).all():
+    if values.shape != (len(steps), plant.n_inputs) or not np.isfinite(values).all():
         raise InvalidParameterError(
             "Inputs must be finite with one row an edge and one column an input, shape "
-            f"{(len(steps), system.n_inputs)}, got shape {values.shape}."
+            f"{(len(steps), plant.n_inputs)}, got shape {values.shape}."
         )
-    x0 = np.zeros(system.n_states) if initial_state is None else np.array(initial_state, dtype=np.float64)
-    if x0.shape != (system.n_states,) or not np.isfinite(x0).all():
-        raise InvalidParameterError(f"The initial state must be {system.n_states} finite numbers, got {x0.tolist()!r}.")
-    return Response(*_march(system, float(end), steps, values, x0))
-
-
-def require_retarded(system: DelayLTI) -> None:
-    """Refuse a system of neutral type.
-
-    Raises
-    ------
-    NeutralSystemError
-        If a delay feeds back into itself without passing a state.
-    """
-    if system.D22.any() and not is_retarded(system):
-        raise NeutralSystemError(
-            "This system is of neutral type: a delay feeds back into itself without passing a state."
-        )
+    x0 = np.zeros(plant.n_states) if initial_state is None else np.array(initial_state, dtype=np.float64)
+    if x0.shape != (plant.n_states,) or not np.isfinite(x0).all():
+        raise InvalidParameterError(f"The initial state must be {plant.n_states} finite numbers, got {x0.tolist()!r}.")
+    return Response(*_march(plant, float(end), steps, values, x0))
 
 
 def _march(

@@ -4,15 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flycontrol.delay.balance import balance, root_bound
+from flycontrol.delay.convert import as_delay_lti
 from flycontrol.delay.count import count_right_of
 from flycontrol.delay.kernels import newton
-from flycontrol.delay.system import ComplexArray, DelayLTI, FloatArray, is_retarded
-from flycontrol.errors import NeutralSystemError
+from flycontrol.delay.system import ComplexArray, DelayLTI, FloatArray, require_retarded
+from flycontrol.errors import InvalidParameterError
+
+if TYPE_CHECKING:
+    from flycontrol.delay.convert import Operand
 
 _MOST_NODES = 400
 _FIRST_NODES = 60  # a count tells whether they were enough; the bound on the roots of a stiff plant asks for far more
@@ -37,7 +42,7 @@ class Spectrum:
         return float(self.roots[0].real) if len(self.roots) else -np.inf
 
 
-def rightmost_roots(system: DelayLTI, count: int = 10, *, certify: bool = True) -> Spectrum:
+def rightmost_roots(system: Operand, count: int = 10, *, certify: bool = True) -> Spectrum:
     """The `count` rightmost roots of det [[s I - A, -B2], [-E C2, I - E D22]] = 0 (one more if it would split a pair).
 
     Each delay channel is a transport line, collocated at Chebyshev points; the eigenvalues of states and lines start a
@@ -46,14 +51,15 @@ def rightmost_roots(system: DelayLTI, count: int = 10, *, certify: bool = True) 
 
     Raises
     ------
+    InvalidParameterError
+        If the count is not an integer >= 1.
     NeutralSystemError
         If a delay feeds back into itself without passing a state.
     """
-    if not is_retarded(system):
-        raise NeutralSystemError(
-            "This system is of neutral type (a delay feeds back into itself without passing a state): infinitely many "
-            "roots can crowd a vertical line. Put a lag into that path."
-        )
+    if not (isinstance(count, int | np.integer) and count >= 1):
+        raise InvalidParameterError(f"The count of rightmost roots must be an integer >= 1, got {count!r}.")
+    system = as_delay_lti(system)
+    require_retarded(system)
     if system.n_delays == 0:
         roots = _ordered(np.linalg.eigvals(system.A).astype(np.complex128))
         eps = np.finfo(float).eps * np.abs(roots).max(initial=0.0)

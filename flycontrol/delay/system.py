@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flycontrol.errors import InvalidParameterError, UnstableSystemError
+from flycontrol.errors import InvalidParameterError, NeutralSystemError, UnstableSystemError
 
 if TYPE_CHECKING:
     from flycontrol.delay.convert import Operand
@@ -218,18 +218,35 @@ def delay_lti(  # noqa: PLR0913 (one argument a block)
     D21: ArrayLike | None = None,
     D22: ArrayLike | None = None,
 ) -> DelayLTI:
-    """A `DelayLTI` from its blocks; blocks that are left out are zero. Shapes as in `DelayLTI`."""
-    a, b1, c1 = (np.array(block, dtype=np.float64, ndmin=2) for block in (A, B1, C1))
-    delays = np.atleast_1d(np.array(tau, dtype=np.float64))
+    """A `DelayLTI` from its blocks; blocks that are left out are zero. Shapes as in `DelayLTI`.
+
+    Raises
+    ------
+    InvalidParameterError
+        If a block is no array of real numbers, or does not fit the others.
+    """
+    a, b1, c1 = _real("A", A), _real("B1", B1), _real("C1", C1)
+    delays = _real("tau", tau, 1)
     n, m, p, q = a.shape[0], b1.shape[1], c1.shape[0], len(delays)
 
-    def block(given: ArrayLike | None, shape: tuple[int, int]) -> FloatArray:
-        return np.zeros(shape) if given is None else np.array(given, dtype=np.float64, ndmin=2)
+    def block(name: str, given: ArrayLike | None, shape: tuple[int, int]) -> FloatArray:
+        return np.zeros(shape) if given is None else _real(name, given)
 
     return DelayLTI(
-        a, b1, block(B2, (n, q)), c1, block(C2, (q, n)),
-        block(D11, (p, m)), block(D12, (p, q)), block(D21, (q, m)), block(D22, (q, q)), delays,
+        a, b1, block("B2", B2, (n, q)), c1, block("C2", C2, (q, n)),
+        block("D11", D11, (p, m)), block("D12", D12, (p, q)), block("D21", D21, (q, m)), block("D22", D22, (q, q)),
+        delays,
     )  # fmt: skip
+
+
+def _real(name: str, block: ArrayLike, ndmin: int = 2) -> FloatArray:
+    """A block as a new array of float64."""
+    try:
+        return np.array(block, dtype=np.float64, ndmin=ndmin)
+    except (TypeError, ValueError) as refusal:
+        raise InvalidParameterError(
+            f"DelayLTI.{name} must be an array of real numbers, its rows equally long, got {block!r}."
+        ) from refusal
 
 
 def _delay_factor(system: DelayLTI, s: ComplexArray) -> ComplexArray:
@@ -255,5 +272,22 @@ def characteristic_matrix(system: DelayLTI, s: ArrayLike) -> ComplexArray:
 
 def is_retarded(system: DelayLTI) -> bool:
     """Whether no path leads from a delay back into itself without passing a state (D22 structurally nilpotent)."""
+    if not system.D22.any():
+        return True
     pattern = (system.D22 != 0).astype(np.float64)
-    return not np.linalg.matrix_power(pattern, max(1, system.n_delays)).any()
+    return not np.linalg.matrix_power(pattern, system.n_delays).any()
+
+
+def require_retarded(system: DelayLTI) -> None:
+    """Refuse a system of neutral type.
+
+    Raises
+    ------
+    NeutralSystemError
+        If a delay feeds back into itself without passing a state.
+    """
+    if not is_retarded(system):
+        raise NeutralSystemError(
+            "This system is of neutral type: a delay feeds back into itself without passing a state, so that "
+            "infinitely many roots can crowd a vertical line and jumps echo for ever. Put a lag into that path."
+        )

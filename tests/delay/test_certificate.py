@@ -24,7 +24,7 @@ from flycontrol.delay.certificate.history import delayed_signals
 from flycontrol.delay.interconnect import delay, feedback, series
 from flycontrol.delay.spectrum import rightmost_roots
 from flycontrol.delay.system import characteristic_matrix, delay_lti
-from flycontrol.errors import InvalidParameterError, NeutralSystemError, UnstableSystemError
+from flycontrol.errors import InvalidParameterError, UnstableSystemError
 
 slow = pytest.mark.slow
 
@@ -490,12 +490,6 @@ def test_infeasibility_is_said_to_prove_nothing():
     assert not certificate.proved
     assert "proves nothing about the loop" in certificate.status
     assert "higher order" in certificate.status
-
-
-def test_a_neutral_loop_is_refused():
-    neutral = delay_lti(A=[[-1]], B1=[[1]], B2=[[1]], C1=[[1]], C2=[[1]], D22=[[0.5]], tau=1.0)
-    with pytest.raises(NeutralSystemError, match="retarded"):
-        stability_certificate(neutral)
 
 
 def test_a_system_without_a_delay_that_acts_is_refused():

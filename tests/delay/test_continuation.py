@@ -244,5 +244,5 @@ def test_a_neutral_family_is_refused():
     def echo(k: float) -> DelayLTI:
         return delay_lti(A=[[-1.0]], B1=[[1.0]], B2=[[1.0]], C1=[[1.0]], C2=[[1.0]], D22=[[k]], tau=[1.0])
 
-    with pytest.raises(NeutralSystemError, match=r"At 0\.5 .*neutral type.*lag"):
+    with pytest.raises(NeutralSystemError, match=r"At 0\.5: .*neutral type.*lag"):
         root_locus(echo, [0.0, 1.0])

@@ -12,7 +12,7 @@ from flycontrol.delay.interconnect import delay, feedback
 from flycontrol.delay.pade import pade, pade_matrices
 from flycontrol.delay.pade_order import pade_certificate, pade_order
 from flycontrol.delay.system import DelayLTI
-from flycontrol.errors import InvalidParameterError, NeutralSystemError, UnstableSystemError
+from flycontrol.errors import InvalidParameterError, UnstableSystemError
 
 STABLE = [(m, n) for n in range(1, 9) for m in range(max(0, n - 4), n)]
 
@@ -179,8 +179,3 @@ def test_a_loop_without_delay_has_nothing_to_approximate():
 def test_a_loop_on_the_boundary_is_refused():
     with pytest.raises(UnstableSystemError, match=r"on the imaginary axis, at 1 rad/s.*either side"):
         pade_order(from_control(control.tf([1.0], [1.0, 0.0])) * delay(np.pi / 2), 1e-2)
-
-
-def test_a_direct_path_through_a_delay_is_refused():
-    with pytest.raises(NeutralSystemError, match="neutral type"):
-        pade_order(0.5 * delay(0.1), 1e-2)

@@ -15,7 +15,7 @@ from flycontrol.delay.pade import from_control
 from flycontrol.delay.response import response
 from flycontrol.delay.spectrum import rightmost_roots
 from flycontrol.delay.system import delay_lti
-from flycontrol.errors import InvalidParameterError, NeutralSystemError
+from flycontrol.errors import InvalidParameterError
 
 
 def first_order(k: float, T: float):
@@ -183,9 +183,3 @@ def test_times_outside_the_response_or_falling_times_are_refused():
 def test_an_impossible_experiment_is_refused_in_a_sentence(arguments, sentence):
     with pytest.raises(InvalidParameterError, match=sentence):
         response(first_order(1.0, 0.5), **arguments)
-
-
-def test_a_delay_that_feeds_itself_has_no_response_here():
-    echo = delay_lti(A=[[0.0]], B1=[[1.0]], B2=[[1.0]], C1=[[1.0]], C2=[[1.0]], D22=[[0.5]], tau=[1.0])
-    with pytest.raises(NeutralSystemError, match="neutral"):
-        response(echo, 1.0)

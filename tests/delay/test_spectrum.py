@@ -11,7 +11,6 @@ from scipy.special import lambertw
 from flycontrol.delay.interconnect import append
 from flycontrol.delay.spectrum import rightmost_roots
 from flycontrol.delay.system import DelayLTI, delay_lti
-from flycontrol.errors import NeutralSystemError
 
 
 def distance_to_root(system: DelayLTI, root: complex) -> float:
@@ -180,9 +179,3 @@ def test_two_delays_in_series_around_a_loop_have_the_roots_of_one_delay_of_their
     )  # fmt: skip
     whole = pd_closed(1.0, 10.0, 0.0, 0.15)
     np.testing.assert_allclose(rightmost_roots(split, 6).roots, rightmost_roots(whole, 6).roots, rtol=1e-10)
-
-
-def test_a_delay_that_feeds_itself_is_refused():
-    echo = delay_lti(A=[[-1.0]], B1=[[1.0]], B2=[[1.0]], C1=[[1.0]], C2=[[1.0]], D22=[[0.5]], tau=[1.0])
-    with pytest.raises(NeutralSystemError, match=r"neutral type.*lag"):
-        rightmost_roots(echo)

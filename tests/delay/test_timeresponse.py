@@ -13,7 +13,7 @@ from flycontrol.delay.piecewise import fitted, piecewise_polynomial, sampled
 from flycontrol.delay.response import response
 from flycontrol.delay.system import delay_lti
 from flycontrol.delay.timeresponse import forced_response, impulse_response, initial_response, step_response
-from flycontrol.errors import InvalidParameterError, NeutralSystemError
+from flycontrol.errors import InvalidParameterError
 
 PLANT = control.tf([5.0, 30.0], [1.0, 3.0, 8.0, 2.0])
 TIMES = np.linspace(0.0, 4.0, 401)
@@ -167,9 +167,3 @@ def test_left_to_itself_a_step_response_runs_until_it_has_settled():
 def test_an_impossible_experiment_is_refused_in_a_sentence(call, sentence):
     with pytest.raises(InvalidParameterError, match=sentence):
         call(integrator_with_delay())
-
-
-def test_a_delay_that_feeds_itself_has_no_step_response_here():
-    echo = delay_lti(A=[[0.0]], B1=[[1.0]], B2=[[1.0]], C1=[[1.0]], C2=[[1.0]], D22=[[0.5]], tau=[1.0])
-    with pytest.raises(NeutralSystemError, match="neutral"):
-        step_response(echo, 1.0)

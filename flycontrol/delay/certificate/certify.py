@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,9 +23,13 @@ from flycontrol.delay.certificate.history import (
     in_units,
 )
 from flycontrol.delay.certificate.solve import candidate
+from flycontrol.delay.convert import as_delay_lti
 from flycontrol.delay.spectrum import rightmost_roots
 from flycontrol.delay.system import DelayLTI, FloatArray
 from flycontrol.errors import InvalidParameterError, UnstableSystemError
+
+if TYPE_CHECKING:
+    from flycontrol.delay.convert import Operand
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -51,7 +56,7 @@ class DelayCertificate:
 
 
 def stability_certificate(
-    system: DelayLTI, order: int = 3, *, full_history: bool = False, solver: str = "CLARABEL"
+    system: Operand, order: int = 3, *, full_history: bool = False, solver: str = "CLARABEL"
 ) -> DelayCertificate:
     """Try to prove that a loop is stable at its delays, one or several, by a functional of the given order.
 
@@ -74,8 +79,9 @@ def stability_certificate(
     InvalidParameterError
         If the order is not an integer >= 0, no delayed signal acts on a state, or the solver is not installed.
     """
-    signals = delayed_signals(system, full_history=full_history)
-    refuse_unstable(system)
+    loop = as_delay_lti(system)
+    signals = delayed_signals(loop, full_history=full_history)
+    refuse_unstable(loop)
     return certify(signals, signals.delays, signals.delays, order, solver)
 
 

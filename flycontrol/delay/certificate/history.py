@@ -9,8 +9,8 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from flycontrol.delay.system import DelayLTI, FloatArray, is_retarded
-from flycontrol.errors import InvalidParameterError, NeutralSystemError
+from flycontrol.delay.system import DelayLTI, FloatArray, require_retarded
+from flycontrol.errors import InvalidParameterError
 
 RationalArray = NDArray[np.object_]
 _Path = tuple[Fraction, RationalArray, RationalArray]
@@ -52,11 +52,7 @@ def delayed_signals(system: DelayLTI, *, full_history: bool = False) -> DelayedS
     InvalidParameterError
         If no delayed signal acts on a state.
     """
-    if not is_retarded(system):
-        raise NeutralSystemError(
-            "A certificate needs a system of retarded type, and here a delay feeds back into itself without passing a "
-            "state; put a lag into that path."
-        )
+    require_retarded(system)
     paths: dict[Fraction, list[_Path]] = {}
     for path in _paths(system):
         paths.setdefault(path[0], []).append(path)

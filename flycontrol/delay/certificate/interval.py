@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from flycontrol.delay.certificate.certify import DelayCertificate, certify, refuse_unstable
 from flycontrol.delay.certificate.history import delayed_signals
+from flycontrol.delay.convert import as_delay_lti
 from flycontrol.delay.system import DelayLTI, delay_lti
 from flycontrol.errors import InvalidParameterError
+
+if TYPE_CHECKING:
+    from flycontrol.delay.convert import Operand
 
 _Prover = Callable[[float, float], DelayCertificate]
 _SMALLEST_PIECE = 1 / 64  # of the interval
@@ -33,7 +37,7 @@ class IntervalCertificate:
 
 
 def certify_interval(
-    system: DelayLTI, low: float, high: float, order: int = 3, *, full_history: bool = False, solver: str = "CLARABEL"
+    system: Operand, low: float, high: float, order: int = 3, *, full_history: bool = False, solver: str = "CLARABEL"
 ) -> IntervalCertificate:
     """Try to prove a loop stable for every constant delay in [low, high] in place of its own.
 
@@ -58,9 +62,10 @@ def certify_interval(
         raise InvalidParameterError(
             f"An interval of delays needs 0 <= low < high in seconds, got low = {low!r} and high = {high!r}."
         )
-    prove = _prover(system, order, full_history=full_history, solver=solver)
+    loop = as_delay_lti(system)
+    prove = _prover(loop, order, full_history=full_history, solver=solver)
     for end in (low, high):
-        refuse_unstable(at_delay(system, end))
+        refuse_unstable(at_delay(loop, end))
     pieces: list[DelayCertificate] = []
     waiting = [(float(low), float(high))]
     while waiting:
@@ -77,7 +82,7 @@ def certify_interval(
 
 
 def largest_certified_delay(  # noqa: PLR0913 (keywords of the certificate)
-    system: DelayLTI,
+    system: Operand,
     order: int = 3,
     *,
     low: float = 0.0,
@@ -107,16 +112,19 @@ def largest_certified_delay(  # noqa: PLR0913 (keywords of the certificate)
     UnstableSystemError
         If the loop is unstable at the delay `low` by its exact spectrum.
     InvalidParameterError
-        If low is not >= 0 and below up_to, or the system has several distinct delays.
+        If low is not >= 0 and below up_to, the tolerance is not in (0, 1), or the system has several distinct delays.
     """
-    prove = _prover(system, order, full_history=full_history, solver=solver)
-    own = float(system.tau[0])
+    loop = as_delay_lti(system)
+    prove = _prover(loop, order, full_history=full_history, solver=solver)
+    own = float(loop.tau[0])
     end = 1000.0 * max(own, low) if up_to is None else float(up_to)
     if not (0 <= low < end < np.inf):
         raise InvalidParameterError(
             f"The search needs 0 <= low < up_to in seconds, got low = {low!r}, up_to = {end!r}."
         )
-    refuse_unstable(at_delay(system, low))
+    if not 0 < tolerance < 1:
+        raise InvalidParameterError(f"The tolerance of the delay is relative, in (0, 1), got {tolerance!r}.")
+    refuse_unstable(at_delay(loop, low))
     pieces: list[DelayCertificate] = []
     reached, trial = float(low), min(max(own, 2.0 * low), end)
     while reached < end:

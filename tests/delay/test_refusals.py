@@ -1,0 +1,198 @@
+"""Wrong use is refused in a sentence: what was required, what arrived, what to do."""
+
+import control
+import numpy as np
+import pytest
+
+from flycontrol.delay import (
+    count_right_of,
+    delay,
+    delay_lti,
+    feedback,
+    frequency_response,
+    margins,
+    pade,
+    response,
+    rightmost_roots,
+    to_statespace,
+)
+from flycontrol.delay.certificate import certify_interval, largest_certified_delay, stability_certificate
+from flycontrol.delay.convert import static_gain
+from flycontrol.delay.disk_margins import disk_margins
+from flycontrol.delay.norms import h2_norm, hinf_norm, linfnorm, system_norm
+from flycontrol.delay.nyquist import nyquist_response
+from flycontrol.delay.pade_order import pade_certificate, pade_order
+from flycontrol.delay.sensitivity import gangof4
+from flycontrol.delay.timeresponse import impulse_response, step_response
+from flycontrol.errors import AlgebraicLoopError, InvalidParameterError, NeutralSystemError, UnstableSystemError
+
+LAG = control.tf([1.0], [1.0, 1.0])
+LATE = control.tf([1.0], [1.0, 0.0]) * delay(0.5)  # closed: stable up to a delay of pi/2, or a gain of pi
+UNSTABLE = control.tf([1.0], [1.0, -1.0]) * delay(0.1)
+TWO, THREE = delay([0.1, 0.2]), delay([0.1, 0.2, 0.3])
+ECHO = delay_lti(A=[[-1.0]], B1=[[1.0]], B2=[[1.0]], C1=[[1.0]], C2=[[1.0]], D22=[[0.5]], tau=[1.0])
+
+NOT_A_DELAY = [-1, -1e-9, np.nan, np.inf, "13.6 ms", None, 1j, [0.1, -0.1], [[0.1]]]
+
+OF_ANOTHER_SHAPE = [
+    (lambda: TWO * THREE, r"\(3, 3\) and \(2, 2\)"),
+    (lambda: TWO + THREE, r"\(2, 2\) and \(3, 3\)"),
+    (lambda: np.ones((2, 3)) * TWO, r"\(2, 2\) and \(2, 3\)"),
+    (lambda: feedback(TWO, THREE), r"\(2, 2\).*\(2, 2\), got \(3, 3\)"),
+    (lambda: gangof4(TWO, LAG), r"\(2, 2\).*\(2, 2\), got \(1, 1\)"),
+    (lambda: feedback(static_gain(np.ones((1, 2)))), "1 outputs and 2 inputs"),
+    (lambda: margins(TWO), r"one input and one output, got shape \(outputs, inputs\) = \(2, 2\)"),
+    (lambda: delay_lti(A=np.eye(2), B1=[[1.0]], C1=[[1.0]]), r"B1 must have shape \(2, 1\).*got \(1, 1\)"),
+]
+
+NORMS_AND_PEAKS = [hinf_norm, h2_norm, system_norm, lambda G: gangof4(G, 0.1).peaks(), lambda G: disk_margins(0.1 * G)]
+
+OF_RETARDED_SYSTEMS_ONLY = [
+    rightmost_roots,
+    hinf_norm,
+    h2_norm,
+    linfnorm,
+    margins,
+    nyquist_response,
+    frequency_response,
+    stability_certificate,
+    lambda G: count_right_of(G, 0.0),
+    lambda G: response(G, 1.0),
+    lambda G: step_response(G, 1.0),
+    lambda G: impulse_response(G, 1.0),
+    lambda G: pade_order(G, 0.1),
+]
+
+OF_WHAT_HAS_NO_STATE_SPACE = [
+    lambda: control.tf([1.0, 0.0], [1.0]) * delay(0.1),
+    lambda: delay(0.1) * control.tf([1.0, 0.0, 0.0], [1.0, 1.0]),
+    lambda: feedback(LATE, control.tf([45.0, 3050.0], [1.0])),
+]
+
+ALGEBRAIC_LOOPS = [
+    lambda: feedback(static_gain(-1.0)),
+    lambda: feedback(1.0, 1.0, 1.0),
+    lambda: feedback(delay(0.0), -1.0),
+    lambda: feedback(control.ss([[-1.0]], [[1.0]], [[1.0]], [[-1.0]])),
+]
+
+DIVISORS = [delay(0.1), 0.0, np.zeros((2, 2)), LAG * delay(0.1), static_gain(np.ones((1, 2)))]
+
+NO_SUCH_ARGUMENT = [
+    (lambda: delay_lti(A=[[0.0, 1.0], [1.0]], B1=[[1.0]], C1=[[1.0]]), r"DelayLTI\.A must be.*rows equally long"),
+    (lambda: delay_lti(A=[[1j]], B1=[[1.0]], C1=[[1.0]]), r"DelayLTI\.A must be an array of real numbers"),
+    (lambda: feedback(LATE, 1.0, np.nan), "sign of a feedback must be a finite number, -1 or 1, got nan"),
+    (lambda: rightmost_roots(LATE, 0), "count of rightmost roots must be an integer >= 1, got 0"),
+    (lambda: rightmost_roots(LATE, 2.5), r"must be an integer >= 1, got 2\.5"),
+    (lambda: rightmost_roots("loop"), "combines with delay systems.*got str"),
+    (lambda: count_right_of(LATE, np.nan), r"finite Re s \[1/s\], got nan"),
+    (lambda: frequency_response(LATE, turn=0.0), r"turn between neighbours must be > 0 and finite, got 0\.0"),
+    (lambda: system_norm(LAG * delay(0.1), 3), 'p = 2 or p = "inf", got 3'),
+    (lambda: to_statespace(delay(0.1)), "give the order of a Pade"),
+    (lambda: certify_interval(feedback(LATE), np.nan, 1.0), "0 <= low < high in seconds, got low = nan"),
+    (lambda: largest_certified_delay(feedback(LATE), tolerance=np.nan), r"in \(0, 1\), got nan"),
+]
+
+
+@pytest.mark.parametrize("seconds", NOT_A_DELAY, ids=repr)
+def test_what_is_no_delay_is_refused(seconds):
+    with pytest.raises(InvalidParameterError, match=r"A delay must be >= 0 s and finite.*got"):
+        delay(seconds)
+
+
+@pytest.mark.parametrize("tau", [-1.0, 0.0, np.nan, np.inf])
+def test_a_channel_without_a_delay_is_refused(tau):
+    with pytest.raises(InvalidParameterError, match=r"DelayLTI\.tau must be (> 0 s|finite), got"):
+        delay_lti(A=[[0.0]], B1=[[1.0]], B2=[[1.0]], C1=[[1.0]], C2=[[1.0]], tau=[tau])
+
+
+@pytest.mark.parametrize(("call", "shapes"), OF_ANOTHER_SHAPE)
+def test_systems_that_do_not_fit_are_refused_with_both_shapes(call, shapes):
+    with pytest.raises(InvalidParameterError, match=shapes):
+        call()
+
+
+@pytest.mark.parametrize("norm", NORMS_AND_PEAKS)
+def test_an_unstable_system_has_no_norm(norm):
+    with pytest.raises(UnstableSystemError, match=r"1 pole\(s\) with Re s > 0.*Stabilise it first"):
+        norm(UNSTABLE)
+
+
+@pytest.mark.parametrize("norm", [hinf_norm, h2_norm, linfnorm, system_norm])
+def test_an_integrator_has_no_norm(norm):
+    with pytest.raises(UnstableSystemError, match=r"pole on the imaginary axis, at 0 rad/s"):
+        norm(LATE)
+
+
+@pytest.mark.parametrize(
+    "prove",
+    [
+        stability_certificate,
+        lambda loop: certify_interval(loop, 0.4, 0.6),
+        lambda loop: largest_certified_delay(loop, low=0.5),
+    ],
+)
+def test_no_certificate_is_looked_for_where_none_exists(prove):
+    """The loop s = -4 exp(-s/2) is unstable: 4 > pi."""
+    with pytest.raises(UnstableSystemError, match=r"No certificate of stability can exist.*root at.*Change"):
+        prove(feedback(4.0 * LATE))
+
+
+def test_a_certificate_that_is_not_found_proves_nothing():
+    """The loop is stable, 3 < pi, but a functional of order 0 does not see it; nor does Pade [1/1]."""
+    tight = feedback(3.0 * LATE)
+    assert rightmost_roots(tight, 2).abscissa < 0
+    assert "proves nothing" in stability_certificate(tight, order=0).status
+    assert "proves nothing" in certify_interval(tight, 0.49, 0.51, order=0).status
+    assert "proves nothing" in pade_certificate(3.0 * LATE, 1).status
+
+
+@pytest.mark.parametrize("question", OF_RETARDED_SYSTEMS_ONLY)
+def test_a_delay_that_feeds_itself_is_refused_everywhere_in_the_same_words(question):
+    with pytest.raises(NeutralSystemError, match=r"neutral type: a delay feeds back into itself.*Put a lag"):
+        question(ECHO)
+
+
+def test_closing_a_delayed_direct_path_makes_a_neutral_loop_that_no_order_approximates():
+    with pytest.raises(NeutralSystemError, match=r"neutral type"):
+        pade_order(0.5 * delay(0.1), 1e-2)
+
+
+@pytest.mark.parametrize("build", OF_WHAT_HAS_NO_STATE_SPACE)
+def test_an_improper_controller_is_refused_with_the_way_out(build):
+    with pytest.raises(InvalidParameterError, match=r"improper.*feed back the plant's derivative output instead"):
+        build()
+
+
+@pytest.mark.parametrize("close", ALGEBRAIC_LOOPS)
+def test_an_algebraic_loop_is_refused_with_the_way_out(close):
+    with pytest.raises(AlgebraicLoopError, match=r"gain 1.*no unique solution; put a delay or a lag into the loop"):
+        close()
+
+
+@pytest.mark.parametrize("divisor", DIVISORS, ids=lambda H: type(H).__name__)
+def test_division_by_what_cannot_be_inverted_is_refused_with_the_way_out(divisor):
+    with pytest.raises(InvalidParameterError, match=r"invertible undelayed direct path.*write feedback\(G, H\)"):
+        TWO / divisor
+
+
+@pytest.mark.parametrize(("call", "sentence"), NO_SUCH_ARGUMENT)
+def test_an_impossible_argument_is_refused_in_a_sentence(call, sentence):
+    with pytest.raises(InvalidParameterError, match=sentence):
+        call()
+
+
+def test_systems_of_python_control_are_taken_wherever_delay_systems_are():
+    assert rightmost_roots(LAG, 1).abscissa == -1.0
+    assert count_right_of(LAG, -2.0).roots == 1
+    assert pade(LAG, 3).n_states == 1
+    assert to_statespace(LAG).nstates == 1
+    np.testing.assert_allclose(response(LAG, 1.0, [0.0], [[1.0]])([1.0])[0, 0], 1 - np.exp(-1.0), rtol=1e-12)
+    np.testing.assert_allclose(
+        frequency_response(LAG, 0.5, 2.0).value, 1 / (1 + 1j * frequency_response(LAG, 0.5, 2.0).omega), rtol=1e-12
+    )
+
+
+def test_the_frequency_range_of_a_gain_and_of_an_integrator_with_delay_is_that_of_their_rates():
+    assert frequency_response(2.0).value == pytest.approx(2.0)
+    assert frequency_response(LATE).omega[0] == pytest.approx(2e-5)  # 1e-5 of 1 / delay
