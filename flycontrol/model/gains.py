@@ -38,10 +38,16 @@ class ChosenGains:
     modulus_margin: float  #: min |1 + L|
 
 
-def largest_stable_delay(b: float, kp: float, kd: float) -> float:
-    """T_max = (atan(kd wc / kp) + atan(b / wc)) / wc at the only gain crossover wc of PD control [s].
+def gain_crossover(b: float, kp: float, kd: float) -> float:
+    """wc^2 = ((kd^2 - b^2) + sqrt((kd^2 - b^2)^2 + 4 kp^2)) / 2: the only gain crossover of PD control [rad/s]."""
+    excess = kd**2 - b**2
+    size = np.hypot(excess, 2 * kp)
+    # neither form cancels
+    return float(np.sqrt((excess + size) / 2) if excess > 0 else abs(kp) * np.sqrt(2 / (size - excess)))
 
-    wc^2 = ((kd^2 - b^2) + sqrt((kd^2 - b^2)^2 + 4 kp^2)) / 2, for kp > 0 and b + kd > 0.
+
+def largest_stable_delay(b: float, kp: float, kd: float) -> float:
+    """T_max = (atan(kd wc / kp) + atan(b / wc)) / wc at the gain crossover wc, for kp > 0 and b + kd > 0 [s].
 
     Raises
     ------
@@ -52,9 +58,7 @@ def largest_stable_delay(b: float, kp: float, kd: float) -> float:
         raise InvalidParameterError(
             f"The closed form needs kp > 0 and b + kd > 0, got kp = {kp!r}, b + kd = {b + kd!r}."
         )
-    excess = kd**2 - b**2
-    size = np.hypot(excess, 2 * kp)
-    wc = np.sqrt((excess + size) / 2) if excess > 0 else kp * np.sqrt(2 / (size - excess))  # neither form cancels
+    wc = gain_crossover(b, kp, kd)
     return float((np.arctan2(kd * wc, kp) + np.arctan2(b, wc)) / wc)
 
 
@@ -108,7 +112,7 @@ def fastest_pd(b: float, delay: float, task: PulseTask, modulus_margin: float = 
     def cost(kp: FloatArray, kd: FloatArray) -> FloatArray:
         times = _recovery_sweep(b, kp, kd, delay, task)
         if modulus_margin > 0:
-            short = np.maximum(0.0, modulus_margin - _modulus_sweep(b, kp, kd, delay))
+            short = np.maximum(0.0, modulus_margin - modulus_margins(b, kp, kd, delay))
             times = np.where(short > 0, 1e3 * (1.0 + short), times)
         return times
 
@@ -125,7 +129,7 @@ def most_robust_pd(b: float, delay: float, task: PulseTask, deadline: float) -> 
 
     def cost(kp: FloatArray, kd: FloatArray) -> FloatArray:
         late = np.minimum(np.maximum(0.0, _recovery_sweep(b, kp, kd, delay, task) - deadline), 1e3)
-        return np.where(late > 0, 10.0 + late, -_modulus_sweep(b, kp, kd, delay))
+        return np.where(late > 0, 10.0 + late, -modulus_margins(b, kp, kd, delay))
 
     kp, kd = _shrinking_grid(cost, b, delay)
     rule = f"largest modulus margin with recovery within {deadline * 1e3:g} ms"
@@ -167,7 +171,11 @@ def _recovery_sweep(b: float, kp: FloatArray, kd: FloatArray, delay: float, task
     return times
 
 
-def _modulus_sweep(b: float, kp: FloatArray, kd: FloatArray, delay: float) -> FloatArray:
+def modulus_margins(b: float, kp: FloatArray, kd: FloatArray, delay: float) -> FloatArray:
+    """min |1 + L| for many gains kp [1/s^2] and kd [1/s] of shape (k,), by a compiled sweep over frequency.
+
+    It agrees with `YawLoop.margins` where the loop comes nearest to -1 between w T = 0.02 and 20.
+    """
     grid = np.geomspace(0.02, 20.0, 160) / delay
     return kernels.modulus_margins(b, kp, kd, delay, grid)
 

@@ -14,6 +14,7 @@ from flycontrol.delay.pade import pade
 from flycontrol.delay.spectrum import rightmost_roots
 from flycontrol.delay.system import ComplexArray, FloatArray
 from flycontrol.jobs.progress import Progress, no_progress
+from flycontrol.model.gain_plane import DelaySlice, GainPlane, delay_slice, gain_plane
 from flycontrol.model.gains import ChosenGains, PulseTask, fastest_pd, fastest_proportional, largest_stable_delay
 from flycontrol.model.recovery import RecoveryCurve, pulse_response, recovery_curve
 from flycontrol.model.stability import StabilityResult, assess
@@ -60,6 +61,8 @@ class StabilityStudy:
     shape: LoopShape
     gain_locus: RootLocus  #: over a factor on both gains
     delay_locus: RootLocus  #: over the delay [s]
+    plane: GainPlane | None  #: all gains at this damping and delay; None without delay
+    delay_slice: DelaySlice | None  #: a common factor on both gains against the delay; None where no delay is stable
     recoveries: YawRecoveries | None
     curve: RecoveryCurve | None
     pade_poles: dict[int, ComplexArray]  #: rightmost poles of the Pade loop by order [1/s]
@@ -88,20 +91,22 @@ def study(
     deadline
         Recovery time [s] that P alone is held against (the review's flies recover within 60 ms).
     """
-    steps = len(dampings) + 4
+    steps = len(dampings) + 5
     progress(0, steps, "exact poles, margins and recovery")
     result = assess(loop, task)
     shape = _loop_shape(loop, pade_order)
     progress(1, steps, "root locus in the gain and in the delay")
     gain_locus, delay_locus = _gain_locus(loop), _delay_locus(loop)
-    progress(2, steps, "recoveries")
+    progress(2, steps, "stability chart")
+    plane, slice_ = gain_plane(loop), delay_slice(loop)
+    progress(3, steps, "recoveries")
     recovers = result.recovery_time is not None
     recoveries = _recoveries(result, pade_order) if recovers else None
     peaks = np.concatenate([np.geomspace(task.tolerance * 1.001, 6 * deg, 120), np.linspace(6 * deg, 45 * deg, 240)])
     curve = recovery_curve(loop, task.duration, peaks[peaks > task.tolerance], task.tolerance) if recovers else None
     table: list[DampingRow] = []
     for k, b in enumerate(dampings):
-        progress(3 + k, steps, f"best P and PD at beta/I = {b:.0f} 1/s")
+        progress(4 + k, steps, f"best P and PD at beta/I = {b:.0f} 1/s")
         table.append(
             DampingRow(
                 b=b,
@@ -118,6 +123,8 @@ def study(
         shape=shape,
         gain_locus=gain_locus,
         delay_locus=delay_locus,
+        plane=plane,
+        delay_slice=slice_,
         recoveries=recoveries,
         curve=curve,
         pade_poles={n: rightmost_roots(loop.pade_closed_loop(n)).roots for n in (1, 2, 4)} if loop.delay else {},

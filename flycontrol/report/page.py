@@ -23,7 +23,7 @@ from flycontrol.report.verdict import proportional_sentence, verdict
 
 _LABELS = {"review": "the review", "flycontrol": "this package"}  #: of references without authors
 _FIGURES = (
-    "diagram", "bode", "nyquist", "budget", "gain-locus", "delay-locus", "recoveries", "strength", "damping",
+    "diagram", "bode", "nyquist", "budget", "gain-locus", "delay-locus", "chart", "recoveries", "strength", "damping",
     "flight-wings", "flight-turning", "flight-angles",
 )  # fmt: skip
 _FIXED_TABLES = 6  #: tables before those on a flight
@@ -97,6 +97,7 @@ def page(
         exact_pole=tables.exact_pole(found),
         exact_error=tables.exact_error(found),
         delay_check=tables.delay_check(found),
+        chart_check=tables.chart_check(found),
         labels={reference.key: _LABELS.get(reference.key, reference.label) for reference in cited},
         references=cited,
         flight=flight,

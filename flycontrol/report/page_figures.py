@@ -11,6 +11,7 @@ from flycontrol.model.study import StabilityStudy
 from flycontrol.report.chain import LoopChain
 from flycontrol.report.figures.bode import bode
 from flycontrol.report.figures.budget import budget, phase_budget
+from flycontrol.report.figures.chart import gain_chart
 from flycontrol.report.figures.damping import p_against_pd
 from flycontrol.report.figures.locus import LocusReading, crossing, root_loci
 from flycontrol.report.figures.nyquist import nyquist
@@ -40,6 +41,7 @@ def page_figures(study: StabilityStudy, chain: LoopChain, wingbeat_frequency: fl
         _budget(study, chain),
         _gain_locus(study),
         _delay_locus(study),
+        _chart(study),
         _recoveries(study, wingbeat_frequency),
         _strength(study, wingbeat_frequency),
         _damping(study),
@@ -146,6 +148,28 @@ def _locus_caption(what: str, bound: str, where: float, value: float, study: Sta
         start + f"The boundary of stability {side} at {bound}, where the loop oscillates at {fixed(turns, 1, 'Hz')}. "
         "Right: the train of poles that the delay brings."
     )
+
+
+def _chart(study: StabilityStudy) -> PageFigure | None:
+    plane, slice_, delay = study.plane, study.delay_slice, study.result.loop.delay
+    if plane is None:
+        return None
+    many = len(plane.chart.x.values)
+    right = (
+        "No delay is stable with these gains, so the plane of gain and delay is left out."
+        if slice_ is None
+        else "Right: the largest stable delay against a common factor on both gains, by the closed form; above the "
+        "thin line a second pair of roots is unstable. "
+    )
+    caption = (
+        f"Left: all PD gains at this fly’s damping and its delay of {milliseconds(delay)}; numbers count the unstable "
+        "roots of a region. Exact: the heavy curve, on which a pair of roots lies on the imaginary axis "
+        "(K_P/I = ω² cos ωT + bω sin ωT, K_D/I = ω sin ωT − b cos ωT), the line K_P = 0, where a root lies at the "
+        f"origin, and the star. {right}Read between points of a grid, {many} by {many}: shades of the decay rate, "
+        "certified at each point, and the lines of equal modulus margin."
+    )
+    figure = gain_chart(plane, slice_, study.result.margins, delay)
+    return _page_figure("chart", figure, "Stability chart", caption)
 
 
 def _recoveries(study: StabilityStudy, wingbeat_frequency: float) -> PageFigure | None:

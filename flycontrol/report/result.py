@@ -17,6 +17,7 @@ from flycontrol.identify.flight import FlightAnalysis
 from flycontrol.model.gains import ChosenGains
 from flycontrol.model.parameters import Parameters
 from flycontrol.model.study import StabilityStudy
+from flycontrol.report.chart_result import chart_fields
 from flycontrol.report.flight_result import FLIGHT_FIELDS, flight_fields
 from flycontrol.report.provenance import Provenance
 from flycontrol.report.verdict import verdict
@@ -54,6 +55,23 @@ FIELDS: dict[str, str] = {
     "modes[].frequency_hz": "imaginary part / 2 pi",
     "modes[].damping_ratio": "-real part / |pole|",
     "modes[].error_estimate_per_s": "last Newton step",
+    "chart.own.proportional_gain_per_s2": "K_P / I of this loop",
+    "chart.own.derivative_gain_per_s": "K_D / I of this loop",
+    "chart.own.decay_rate_per_s": "of its slowest mode; negative: grows",
+    "chart.fastest_decay.proportional_gain_per_s2": "K_P / I at which the slowest mode decays fastest, closed form",
+    "chart.fastest_decay.derivative_gain_per_s": "K_D / I there",
+    "chart.fastest_decay.decay_rate_per_s": "there",
+    "chart.boundary.frequency_rad_per_s[]": "of the pair on the imaginary axis, around the stable gains; closed form",
+    "chart.boundary.proportional_gain_per_s2[]": "K_P / I on the boundary",
+    "chart.boundary.derivative_gain_per_s[]": "K_D / I on the boundary",
+    "chart.regions[].unstable_roots": "number of roots with positive real part; -1: a root on the imaginary axis",
+    "chart.regions[].grid_points": "points of the chart's grid over the gains with so many",
+    "chart.grid.proportional_gain_per_s2[]": "lowest and highest K_P / I of that grid",
+    "chart.grid.derivative_gain_per_s[]": "lowest and highest K_D / I of that grid",
+    "chart.grid.points": "points at which unstable roots were counted, over the gains and over gain and delay",
+    "chart.grid.points_agreeing": "points at which the closed form gives the same verdict on stability",
+    "chart.delay_slice.gain_factor[]": "common factor on both gains",
+    "chart.delay_slice.largest_stable_delay_ms[]": "with the gains times the factor, closed form",
     "recovery.recovery_time_ms": "from pulse onset to the last entry into the band",
     "recovery.recovery_time_wingbeats": "the same times the wingbeat frequency",
     "recovery.pulse_duration_ms": "of the nominal pulse",
@@ -110,6 +128,7 @@ def result_json(
         "loop": _loop(study, parameters),
         "margins": _margins(study),
         "modes": _modes(study),
+        "chart": chart_fields(study),
         "recovery": _recovery(study, parameters),
         "recovery_curve": _curve(study),
         "damping_table": [

@@ -214,3 +214,26 @@ def delay_check(study: StabilityStudy) -> str:
         f"{form}; delay plus delay margin, by root-finding on the frequency response, give {milliseconds(numeric, 4)}: "
         f"a difference of {significant(abs(numeric - closed) / ms, 1, 'ms')}."
     )
+
+
+def chart_check(study: StabilityStudy) -> str:
+    """Say where the loop lies among all gains, and how often count and closed form agree on the chart."""
+    plane, slice_ = study.plane, study.delay_slice
+    if plane is None:
+        return "Without a delay no gain is too high, so no stability chart is drawn."
+    charts = [plane, *([] if slice_ is None else [slice_])]
+    points, agreeing = sum(part.chart.stable.size for part in charts), sum(part.agreeing for part in charts)
+    rate = -float(study.result.poles[0].real)
+    place = (
+        f"The slowest mode of this loop decays at {fixed(rate, 1, '1/s')}; over all gains the fastest that it could be "
+        f"is {fixed(plane.fastest_rate, 1, '1/s')}, a closed form, at K_P/I = {fixed(plane.fastest[0], 0, '1/s²')} and "
+        f"K_D/I = {fixed(plane.fastest[1], 1, '1/s')}, where three real roots meet."
+        if rate > 0
+        else f"These gains lie outside the stable region; the fastest decay that gains could give this plant is "
+        f"{fixed(plane.fastest_rate, 1, '1/s')}."
+    )
+    same = "every one" if agreeing == points else f"{agreeing}"
+    return (
+        f"{place} Unstable roots were counted by the argument principle at {points} points of the chart: at {same} of "
+        "them the count and the closed form for PD control give the same verdict on stability."
+    )

@@ -11,6 +11,7 @@ from flycontrol.delay.locus import root_locus
 from flycontrol.delay.pade import pade
 from flycontrol.delay.spectrum import rightmost_roots
 from flycontrol.io.parameters import read_parameters
+from flycontrol.model.gain_plane import delay_slice, gain_plane
 from flycontrol.model.gains import ChosenGains, largest_stable_delay
 from flycontrol.model.recovery import pulse_response, recovery_curve
 from flycontrol.model.stability import assess
@@ -82,6 +83,8 @@ def quick_study(parameters):
             lambda f: YawLoop.from_rates(b=b, kp=f * kp, kd=f * kd, delay=T).closed_loop(), np.geomspace(0.05, 4, 60)
         ),
         delay_locus=root_locus(lambda d: replace(loop, delay=d).closed_loop(), T * np.geomspace(0.2, 4, 60)),
+        plane=gain_plane(loop),
+        delay_slice=delay_slice(loop),
         recoveries=_recoveries(result) if result.stable else None,
         curve=recovery_curve(loop, task.duration, np.linspace(2.1, 45, 80) * deg) if result.stable else None,
         pade_poles={n: rightmost_roots(loop.pade_closed_loop(n)).roots for n in (1, 2, 4)},

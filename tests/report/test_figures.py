@@ -10,8 +10,8 @@ from flycontrol.report import page_figures, style
 from flycontrol.report.chain import loop_chain
 from flycontrol.report.page_figures import page_figures as draw
 
-STABLE = {"bode", "nyquist", "budget", "gain-locus", "delay-locus", "recoveries", "strength", "damping"}
-WITHOUT_STABILITY = {"bode", "nyquist", "gain-locus", "delay-locus", "damping"}
+STABLE = {"bode", "nyquist", "budget", "gain-locus", "delay-locus", "chart", "recoveries", "strength", "damping"}
+WITHOUT_STABILITY = {"bode", "nyquist", "gain-locus", "delay-locus", "chart", "damping"}
 
 
 def matplotlib_figures(study, monkeypatch):

@@ -103,9 +103,14 @@ def test_an_unstable_loop_gets_a_whole_page_that_says_so(unstable_page):
     outline = Outline(unstable_page)
     assert "Verdict: unstable" in outline.text
     assert "margins and a recovery time do not exist" in outline.text
-    assert {"figure-bode", "figure-nyquist", "figure-gain-locus", "figure-delay-locus", "figure-damping"} <= set(
-        outline.ids
-    )
+    assert {
+        "figure-bode",
+        "figure-nyquist",
+        "figure-gain-locus",
+        "figure-delay-locus",
+        "figure-chart",
+        "figure-damping",
+    } <= set(outline.ids)
     assert not {"figure-recoveries", "figure-strength", "figure-budget"} & set(outline.ids)
     assert not re.search(r"\b(nan|inf|None)\b", outline.text)
 
