@@ -27,3 +27,7 @@ class AlgebraicLoopError(FlycontrolError, ValueError):
 
 class UnstableSystemError(FlycontrolError, ValueError):
     """A quantity asked for that only a stable loop has."""
+
+
+class WorkerLostError(FlycontrolError, RuntimeError):
+    """A worker process that died twice over the same part of a job, or could not start at all."""

@@ -54,6 +54,10 @@ def test_only_kernels_know_numba():
     assert not [path for path in MODULES if knows(path, "numba") and not is_kernel(path)]
 
 
+def test_only_jobs_knows_dask():
+    assert {room(path) for path in MODULES if knows(path, "distributed") or knows(path, "dask")} <= {"jobs"}
+
+
 def test_only_the_certificate_and_the_design_know_cvxpy():
     for path in MODULES:
         if knows(path, "cvxpy"):
