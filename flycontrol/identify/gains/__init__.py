@@ -1,0 +1,1 @@
+"""Gains, delay and what they mean, from recordings of perturbed flies."""

@@ -1,0 +1,193 @@
+"""Gains, damping and delay from recordings of perturbed flies, with intervals.
+
+>>> from flycontrol.identify.gains.fit import fit_gains
+>>> from flycontrol.identify.gains.model import gain_model
+>>> found = fit_gains([trial], gain_model("PD"))  # doctest: +SKIP
+>>> found["delay"].value, found["delay"].low, found["delay"].high  # doctest: +SKIP
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import scipy.special
+from numpy.typing import NDArray
+
+from flycontrol.errors import InvalidParameterError
+from flycontrol.identify.gains.least_squares import Loss, Minimum, WeightedProblem, minimise
+from flycontrol.identify.gains.model import GainModel, gain_model
+from flycontrol.identify.gains.noise import Noise, estimate, order_by_bic, white
+from flycontrol.identify.gains.problem import Channel, FitProblem, fit_problem
+from flycontrol.identify.gains.response import UNITS
+from flycontrol.identify.gains.result import Estimate, FitResult
+from flycontrol.identify.gains.starts import starting_points
+from flycontrol.identify.gains.uncertainty import LocalUncertainty, local_uncertainty
+from flycontrol.model.trial import Trial
+
+FloatArray = NDArray[np.float64]
+_LARGEST_ORDER = 4
+_ROUNDS = 4  #: of noise and parameters in turn
+_NEAR = 2.0  #: other starts are searched from too when the regression there is less than this much worse
+_LOOSE = 0.03  #: relative error of the delay above which searches begin at all delays
+_POOR = 4.0  #: and when the residuals' variance exceeds that of the samples' differences so many times
+
+
+def fit_gains(
+    trials: Sequence[Trial],
+    model: GainModel | None = None,
+    *,
+    noise: str | int = "auto",
+    loss: Loss = "linear",
+    level: float = 0.95,
+    start: FloatArray | None = None,
+) -> FitResult:
+    """Fit the yaw loop to trials.
+
+    Parameters
+    ----------
+    model
+        What is known and what is not; None: PD on the yaw angle, gains, delay and damping unknown.
+    noise
+        "white", an autoregressive order, or "auto": the order by BIC, at most 4; coefficients by restricted likelihood.
+    loss
+        "linear", or "huber" where single samples may be far off.
+    level
+        Of the intervals.
+    start
+        Vector of unknowns (k,) to search from; None: from the data, from several delays.
+
+    Raises
+    ------
+    InvalidInputError
+        If the trials and the model do not fit each other.
+    InvalidParameterError
+        For an unknown kind of noise or loss, or a level outside of (0, 1).
+    """
+    _refuse(noise, loss, level)
+    problem = fit_problem(trials, gain_model() if model is None else model)
+    guessed = [[white(_roughness(channel), 1.0) for channel in part.channels] for part in problem.parts]
+    weighted = WeightedProblem(problem, guessed, loss)
+    minimum = minimise(weighted, start) if start is not None else _best_minimum(weighted)
+    weighted, minimum = _with_noise(weighted, minimum, noise)
+    uncertainty = local_uncertainty(weighted, minimum)
+    estimates = _estimates(problem, minimum, uncertainty, level)
+    return FitResult(
+        problem=problem, weighted=weighted, minimum=minimum, uncertainty=uncertainty, estimates=estimates,
+        level=level, converged=minimum.converged, status=_status(minimum, uncertainty, problem),
+    )  # fmt: skip
+
+
+def _refuse(noise: str | int, loss: str, level: float) -> None:
+    if not (noise in ("auto", "white") or (isinstance(noise, int) and 0 <= noise <= 12)):
+        raise InvalidParameterError(f'noise must be "auto", "white" or an order from 0 to 12, got {noise!r}.')
+    if loss not in ("linear", "huber"):
+        raise InvalidParameterError(f'loss must be "linear" or "huber", got {loss!r}.')
+    if not 0 < level < 1:
+        raise InvalidParameterError(f"The level of intervals must lie between 0 and 1, got {level!r}.")
+
+
+def _roughness(channel: Channel) -> float:
+    """Standard deviation of white noise from second differences of the samples, robustly [rad]."""
+    if len(channel.values) < 4:
+        return 1.0
+    bends = np.diff(channel.values, 2) / np.sqrt(6.0)
+    return max(float(np.median(np.abs(bends)) / 0.6745), 1e-9)
+
+
+def _best_minimum(weighted: WeightedProblem) -> Minimum:
+    """The best of searches from several delays: all of them where the first leaves much, or the delay, undetermined."""
+    starts = starting_points(weighted.problem)
+    best = minimise(weighted, starts[0].x)
+    soft = _soft(weighted, best)
+    for other in starts[1:]:
+        if soft or (other.lowest and other.residual < _NEAR * starts[0].residual):
+            found = minimise(weighted, other.x)
+            if found.at.cost < best.at.cost and (found.converged or not best.converged):
+                best = found
+    return best
+
+
+def _soft(weighted: WeightedProblem, found: Minimum) -> bool:
+    """Whether other delays deserve a search: no convergence, a poor fit, or a delay known to 3 % at best."""
+    problem = weighted.problem
+    excess = found.at.cost / max(problem.samples - len(found.x), 1)
+    if not found.converged or excess > _POOR:
+        return True
+    delays = [i for i, kind in enumerate(problem.kinds) if kind == "delay"]
+    errors = np.sqrt(np.maximum(excess * np.diag(np.linalg.pinv(found.at.matrix, hermitian=True)), 0.0))
+    return any(errors[i] > _LOOSE * found.x[i] for i in delays)
+
+
+def _with_noise(weighted: WeightedProblem, minimum: Minimum, kind: str | int) -> tuple[WeightedProblem, Minimum]:
+    """Noise by restricted likelihood and parameters by least squares, in turn until neither moves."""
+    problem, orders = weighted.problem, None
+    for _ in range(_ROUNDS):
+        noises, orders = _noises(weighted, minimum.x, kind, orders)
+        weighted = WeightedProblem(problem, noises, weighted.loss)
+        found = minimise(weighted, minimum.x, scale=1.0)
+        settled = found.steps == 0
+        minimum = found
+        if settled or not any(order for channels in orders for order in channels):
+            break
+    return weighted, minimum
+
+
+def _noises(
+    weighted: WeightedProblem, x: FloatArray, kind: str | int, orders: list[list[int]] | None
+) -> tuple[list[list[Noise]], list[list[int]]]:
+    """Noise of each channel of each trial at x; the orders are chosen once."""
+    found: list[list[Noise]] = []
+    chosen: list[list[int]] = []
+    for i, part in enumerate(weighted.problem.parts):
+        predicted = part.predicted(x)
+        found.append([])
+        chosen.append([])
+        for j, (rows, channel) in enumerate(zip(predicted, part.channels, strict=True)):
+            rows[0] -= channel.values
+            if weighted.loss == "huber":
+                size = 2.5 * np.median(np.abs(rows[0])) / 0.6745
+                rows[0] = np.clip(rows[0], -size, size)
+            order = orders[i][j] if orders is not None else _order(rows[0], channel, kind)
+            chosen[-1].append(order)
+            found[-1].append(estimate(rows, channel.firsts, order))
+    return found, chosen
+
+
+def _order(residuals: FloatArray, channel: Channel, kind: str | int) -> int:
+    if kind == "white":
+        return 0
+    return order_by_bic(residuals, channel.firsts, _LARGEST_ORDER) if kind == "auto" else int(kind)
+
+
+def _estimates(
+    problem: FitProblem, minimum: Minimum, uncertainty: LocalUncertainty, level: float
+) -> tuple[Estimate, ...]:
+    errors = np.sqrt(np.diag(uncertainty.covariance))
+    width = scipy.special.stdtrit(uncertainty.freedom, 0.5 + level / 2) * errors
+    values = np.clip(minimum.x - uncertainty.bias, problem.low, problem.high)
+    return tuple(
+        Estimate(
+            name=problem.names[i], kind=problem.kinds[i], unit=UNITS[problem.kinds[i]], value=float(values[i]),
+            standard_error=float(errors[i]), low=float(values[i] - width[i]), high=float(values[i] + width[i]),
+            freedom=float(uncertainty.freedom[i]), bias=float(uncertainty.bias[i]), at_bound=bool(minimum.held[i]),
+        )
+        for i in range(len(problem.names))
+    )  # fmt: skip
+
+
+def _status(minimum: Minimum, uncertainty: LocalUncertainty, problem: FitProblem) -> str:
+    if not minimum.converged:
+        return (
+            f"not converged: the search stopped after {minimum.steps} steps; give starting values or fix a parameter."
+        )
+    if len(uncertainty.unidentifiable):
+        weights = np.abs(uncertainty.unidentifiable).max(axis=0)
+        lost = [name for name, weight in zip(problem.names, weights, strict=True) if weight > 0.1]
+        return (
+            f"not identifiable: {' and '.join(lost)} trade off without trace in these data; fix one or add recordings."
+        )
+    if minimum.held.any():
+        bound = [name for name, held in zip(problem.names, minimum.held, strict=True) if held]
+        return f"at a bound: {' and '.join(bound)}; the data pull further, so widen the bound or doubt the model."
+    return "converged: one minimum inside all bounds."

@@ -1,0 +1,87 @@
+"""Autoregressive noise: prediction errors of columns of samples, and the restricted likelihood."""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+
+
+@numba.njit(cache=True, error_model="numpy")
+def coefficients(pacf, table):
+    """Levinson's recursion: row j of table (order, order) predicts from j + 1 samples; relative error variances.
+
+    pacf (order,) are partial autocorrelations in (-1, 1); variances (order + 1,) are those of the innovation when
+    0, 1, ... earlier samples are known, over that when all are.
+    """
+    order = len(pacf)
+    variances = np.ones(order + 1)
+    for j in range(order):
+        table[j, j] = pacf[j]
+        for i in range(j):
+            table[j, i] = table[j - 1, i] - pacf[j] * table[j - 1, j - 1 - i]
+    for j in range(order - 1, -1, -1):
+        variances[j] = variances[j + 1] / (1.0 - pacf[j] * pacf[j])
+    return variances
+
+
+@numba.njit(cache=True, error_model="numpy")
+def whitened(rows, firsts, pacf, out):
+    """Prediction errors of each row (c, n), divided by their relative size; sum of the logarithms of the variances.
+
+    firsts (s,) are the indices at which a stretch without gap begins; before it nothing is known.
+    """
+    order = len(pacf)
+    table = np.zeros((order, order))
+    variances = coefficients(pacf, table)
+    n = rows.shape[1]
+    logs = 0.0
+    for s in range(len(firsts)):
+        first = firsts[s]
+        last = firsts[s + 1] if s + 1 < len(firsts) else n
+        for i in range(min(order, last - first)):
+            scale = 1.0 / np.sqrt(variances[i])
+            logs += np.log(variances[i])
+            for c in range(rows.shape[0]):
+                value = rows[c, first + i]
+                for j in range(i):
+                    value -= table[i - 1, j] * rows[c, first + i - 1 - j]
+                out[c, first + i] = value * scale
+        for c in range(rows.shape[0]):
+            for i in range(first + order, last):
+                value = rows[c, i]
+                for j in range(order):
+                    value -= table[order - 1, j] * rows[c, i - 1 - j]
+                out[c, i] = value
+    return logs
+
+
+@numba.njit(cache=True, error_model="numpy")
+def restricted(rows, firsts, pacf, work):
+    """Minus twice the restricted log likelihood, the innovations' variance profiled out; that variance.
+
+    rows (1 + p, n): residuals, then the derivatives of the model; what derivatives can explain is projected out.
+    """
+    logs = whitened(rows, firsts, pacf, work)
+    c, n = rows.shape
+    gram = np.empty((c, c))
+    for a in range(c):
+        for e in range(a + 1):
+            total = 0.0
+            for i in range(n):
+                total += work[a, i] * work[e, i]
+            gram[a, e] = total
+    determinant, rank = 0.0, 0
+    sizes = np.diag(gram).copy()
+    for a in range(c - 1, 0, -1):  # eliminate the derivatives, last first: what remains is the residuals' share
+        pivot = gram[a, a]
+        if pivot <= 1e-12 * sizes[a] or sizes[a] < 1e-200:  # this channel says nothing new of the parameter
+            continue
+        rank += 1
+        determinant += np.log(pivot)
+        for e in range(a):
+            f = gram[a, e] / pivot
+            for d in range(e + 1):
+                gram[e, d] -= f * gram[a, d]
+    left = max(gram[0, 0], 1e-300)
+    freedom = n - rank
+    return freedom * np.log(left / freedom) + logs + determinant, left / freedom

@@ -1,0 +1,140 @@
+"""Weighted least squares of a fit problem by Levenberg and Marquardt's method, inside bounds, with exact derivatives.
+
+    minimise  sum over channels of |rho(V^(-1/2) (model(x) - measured))| + sum of ((x - mean) / deviation)^2 of priors,
+
+V the noise's covariance. Steps solve (H + lambda diag H) d = -g with H = J^T J (Marquardt 1963); an unknown at a bound
+that the gradient pushes outwards is held there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flycontrol.identify.gains.noise import Noise, whitened
+from flycontrol.identify.gains.problem import FitProblem
+
+FloatArray = NDArray[np.float64]
+Loss = Literal["linear", "huber"]
+_HUBER = 1.345  #: 95 % efficient for normal noise (Huber 1981)
+_CLOSE = 1e-9  #: Newton decrement in units of the noise's variance: 3e-5 standard errors from the minimum
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NormalEquations:
+    """Cost, gradient and Gauss-Newton matrix at one point."""
+
+    cost: float  #: whitened
+    gradient: FloatArray  #: J^T r (k,)
+    matrix: FloatArray  #: J^T J (k, k)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Minimum:
+    """Where a search ended."""
+
+    x: FloatArray  #: (k,)
+    at: NormalEquations
+    converged: bool
+    held: NDArray[np.bool_]  #: (k,) unknowns at a bound
+    steps: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WeightedProblem:
+    """A problem with the noise of each channel of each trial."""
+
+    problem: FitProblem
+    noise: Sequence[Sequence[Noise]]  #: by trial, by channel
+    loss: Loss = "linear"
+
+    def rows(self, x: FloatArray, derivatives: bool = True) -> list[list[FloatArray]]:
+        """Whitened residuals and, below, derivatives of each channel: by trial, by channel (1 + m, n)."""
+        found: list[list[FloatArray]] = []
+        for part, noises in zip(self.problem.parts, self.noise, strict=True):
+            mine = part.predicted(x, derivatives)
+            for rows, channel in zip(mine, part.channels, strict=True):
+                rows[0] -= channel.values
+            found.append(
+                [whitened(r, c.firsts, noise) for r, c, noise in zip(mine, part.channels, noises, strict=True)]
+            )
+        return found
+
+    def normal_equations(self, x: FloatArray) -> NormalEquations:
+        """Cost, gradient and matrix at x (k,)."""
+        k = len(x)
+        cost, gradient, matrix = 0.0, np.zeros(k), np.zeros((k, k))
+        for part, channels in zip(self.problem.parts, self.rows(x), strict=True):
+            square = np.zeros((1 + len(part.active),) * 2)
+            for rows in channels:
+                loss, weighted = self._robust(rows)
+                square += weighted @ weighted.T
+                cost += loss
+            gradient[part.places] += square[0, 1:]
+            matrix[np.ix_(part.places, part.places)] += square[1:, 1:]
+        for i, setting in enumerate(self.problem.settings):
+            if setting.prior is not None:
+                pull = (x[i] - setting.prior.mean) / setting.prior.deviation
+                cost += pull**2
+                gradient[i] += pull / setting.prior.deviation
+                matrix[i, i] += setting.prior.deviation**-2
+        return NormalEquations(cost, gradient, matrix)
+
+    def _robust(self, rows: FloatArray) -> tuple[float, FloatArray]:
+        """Cost, and rows weighted so that their products are gradient and matrix of it."""
+        if self.loss == "linear":
+            return float(rows[0] @ rows[0]), rows
+        size = np.abs(rows[0])
+        weights = np.minimum(1.0, _HUBER / np.maximum(size, 1e-300))
+        loss = np.where(size <= _HUBER, size**2, 2 * _HUBER * size - _HUBER**2)
+        return float(loss.sum()), rows * np.sqrt(weights)
+
+
+def minimise(weighted: WeightedProblem, x: FloatArray, most_steps: int = 60, scale: float | None = None) -> Minimum:
+    """Search from x (k,).
+
+    Parameters
+    ----------
+    scale
+        Variance of a whitened residual that convergence is judged by; None: that of the residuals found.
+    """
+    problem = weighted.problem
+    low, high = problem.low, problem.high
+    x = np.clip(x, low, high)
+    at = weighted.normal_equations(x)
+    damping, freedom = 1e-3, max(problem.samples - len(x), 1)
+    for step in range(most_steps):
+        free = ~(((x <= low) & (at.gradient > 0)) | ((x >= high) & (at.gradient < 0)))
+        size = np.sqrt(np.maximum(np.diag(at.matrix), 1e-300))
+        H, g = (at.matrix / size / size[:, None])[np.ix_(free, free)], (at.gradient / size)[free]
+        newton = _solved(H, g, 1e-13)
+        if g @ newton <= _CLOSE * (scale or at.cost / freedom):
+            return Minimum(x, at, True, ~free, step)
+        while True:
+            move = np.zeros(len(x))
+            move[free] = -_solved(H, g, damping) / size[free]
+            trial = np.clip(x + move, low, high)
+            there = weighted.normal_equations(trial)
+            if there.cost <= at.cost:
+                break
+            damping = max(damping * 10, 1e-7)
+            if damping > 1e12:
+                return Minimum(x, at, bool(g @ newton <= 1e-4 * (scale or at.cost / freedom)), ~free, step)
+        expected = -(2 * at.gradient @ move + move @ at.matrix @ move)
+        damping *= 0.05 if at.cost - there.cost > 0.75 * expected else 0.5 if damping > 1e-12 else 1.0
+        x, at = trial, there
+    return Minimum(x, at, False, (x <= low) | (x >= high), most_steps)
+
+
+def _solved(H: FloatArray, g: FloatArray, damping: float) -> FloatArray:
+    """(H + damping diag H)^-1 g for a matrix with a unit diagonal."""
+    damped = H.copy()
+    damped[np.diag_indices_from(damped)] += damping
+    try:
+        return np.asarray(np.linalg.solve(damped, g), dtype=np.float64)
+    except np.linalg.LinAlgError:
+        return np.asarray(np.linalg.lstsq(damped, g, rcond=None)[0], dtype=np.float64)

@@ -1,0 +1,124 @@
+"""What a fit found: estimates with intervals, how they hang together, and a status that is a sentence."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flycontrol.errors import InvalidParameterError
+from flycontrol.identify.gains.least_squares import Minimum, WeightedProblem
+from flycontrol.identify.gains.model import Controller
+from flycontrol.identify.gains.noise import Noise
+from flycontrol.identify.gains.problem import FitProblem
+from flycontrol.identify.gains.response import UNITS
+from flycontrol.identify.gains.uncertainty import LocalUncertainty
+from flycontrol.model.yaw import YawLoop
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Estimate:
+    """One unknown, corrected for the bias that the model's curvature causes."""
+
+    name: str  #: "kp", or "impulse[trial 3]"
+    kind: str  #: "kp", "impulse"
+    unit: str
+    value: float
+    standard_error: float  #: infinite where the data say nothing, or at a bound
+    low: float  #: of the interval
+    high: float
+    freedom: float  #: degrees of freedom of the interval
+    bias: float  #: taken off the least-squares value
+    at_bound: bool
+
+
+@dataclass(frozen=True, eq=False)
+class FitResult:
+    """A fit of the yaw loop to perturbed trials."""
+
+    problem: FitProblem
+    weighted: WeightedProblem  #: with the noise found
+    minimum: Minimum
+    uncertainty: LocalUncertainty
+    estimates: tuple[Estimate, ...]
+    level: float  #: of the intervals
+    converged: bool
+    status: str  #: a sentence
+
+    def __getitem__(self, name: str) -> Estimate:
+        """The estimate of that name; InvalidParameterError, a KeyError's sentence, if there is none."""
+        for estimate in self.estimates:
+            if estimate.name == name:
+                return estimate
+        raise InvalidParameterError(
+            f"No unknown is named {name!r}; there are {', '.join(e.name for e in self.estimates)}."
+        )
+
+    @property
+    def controller(self) -> Controller:
+        """P, PD, PI or PID on the yaw angle."""
+        return self.problem.model.controller
+
+    @property
+    def covariance(self) -> FloatArray:
+        """(k, k) in the order of `estimates`."""
+        return self.uncertainty.covariance
+
+    @property
+    def correlation(self) -> FloatArray:
+        """(k, k); NaN where a variance is infinite."""
+        C = self.covariance
+        deviation = np.sqrt(np.diag(C))
+        with np.errstate(invalid="ignore"):
+            return C / deviation / deviation[:, None]
+
+    @property
+    def noise(self) -> tuple[tuple[Noise, ...], ...]:
+        """Of each trial, of each of its channels: yaw, then paddling."""
+        return tuple(tuple(channels) for channels in self.weighted.noise)
+
+    def value(self, kind: str) -> float:
+        """A parameter that all trials share, estimated or fixed, in the unit of `response.UNITS`."""
+        known = self.problem.model.known
+        if kind in known:
+            return float(known[kind])
+        if kind not in UNITS:
+            raise InvalidParameterError(f"Unknown parameter {kind!r}; there are {', '.join(UNITS)}.")
+        return self[kind].value if kind in self.problem.names else 0.0
+
+    def loop(self) -> YawLoop:
+        """The fitted loop, for an inertia of one; refused for a controller with an integral term."""
+        if self.value("ki"):
+            raise InvalidParameterError("A YawLoop is P or PD on the yaw angle; this fit has an integral term.")
+        return YawLoop.from_rates(
+            b=self.value("damping"), kp=self.value("kp"), kd=self.value("kd"), delay=self.value("delay")
+        )
+
+    def residuals(self) -> list[list[FloatArray]]:
+        """Measured less predicted at the least-squares values, by trial, by channel (n,) [rad]."""
+        return [
+            [
+                channel.values - rows[0]
+                for channel, rows in zip(part.channels, part.predicted(self.minimum.x, False), strict=True)
+            ]
+            for part in self.problem.parts
+        ]
+
+    @property
+    def deviance(self) -> float:
+        """Minus twice the logarithm of the likelihood at the minimum, constants of the noise included."""
+        total = self.minimum.at.cost
+        for part, noises in zip(self.problem.parts, self.weighted.noise, strict=True):
+            for channel, noise in zip(part.channels, noises, strict=True):
+                n = len(channel.values)
+                total += n * np.log(2 * np.pi * noise.deviation**2) + _start_terms(noise, len(channel.firsts))
+        return float(total)
+
+
+def _start_terms(noise: Noise, stretches: int) -> float:
+    """Log determinant of the noise's correlation: every stretch begins with samples that are predicted less well."""
+    orders = np.arange(1, noise.order + 1)
+    return float(-stretches * np.sum(orders * np.log1p(-(noise.pacf**2))))
