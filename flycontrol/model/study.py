@@ -3,32 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from flycontrol.delay.bracket import bracketed_root
-from flycontrol.delay.frequency import FrequencyResponse, evaluate, frequency_response
-from flycontrol.delay.locus import RootLocus, root_locus
-from flycontrol.delay.pade import pade
+from flycontrol.delay.locus import RootLocus
 from flycontrol.delay.spectrum import rightmost_roots
 from flycontrol.delay.system import ComplexArray, FloatArray
 from flycontrol.jobs.progress import Progress, no_progress
 from flycontrol.model.gain_plane import DelaySlice, GainPlane, delay_slice, gain_plane
 from flycontrol.model.gains import ChosenGains, PulseTask, fastest_pd, fastest_proportional, largest_stable_delay
+from flycontrol.model.loci import delay_locus, gain_locus
+from flycontrol.model.loop_shape import LoopShape, loop_shape
 from flycontrol.model.recovery import RecoveryCurve, pulse_response, recovery_curve
 from flycontrol.model.stability import StabilityResult, assess
-from flycontrol.model.yaw import PDController, YawLoop
+from flycontrol.model.yaw import YawLoop
 from flycontrol.units import deg
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class LoopShape:
-    """Open-loop frequency response, exact and with the Pade approximation."""
-
-    exact: FrequencyResponse
-    pade: ComplexArray  #: L(j w) with the delay approximated, on the same frequencies
-    pade_order: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -94,9 +85,9 @@ def study(
     steps = len(dampings) + 5
     progress(0, steps, "exact poles, margins and recovery")
     result = assess(loop, task)
-    shape = _loop_shape(loop, pade_order)
+    shape = loop_shape(loop, pade_order)
     progress(1, steps, "root locus in the gain and in the delay")
-    gain_locus, delay_locus = _gain_locus(loop), _delay_locus(loop)
+    over_gain, over_delay = gain_locus(loop), delay_locus(loop)
     progress(2, steps, "stability chart")
     plane, slice_ = gain_plane(loop), delay_slice(loop)
     progress(3, steps, "recoveries")
@@ -121,8 +112,8 @@ def study(
         result=result,
         closed_form_largest_delay=_closed_form(loop),
         shape=shape,
-        gain_locus=gain_locus,
-        delay_locus=delay_locus,
+        gain_locus=over_gain,
+        delay_locus=over_delay,
         plane=plane,
         delay_slice=slice_,
         recoveries=recoveries,
@@ -137,30 +128,6 @@ def study(
 def _closed_form(loop: YawLoop) -> float | None:
     b = loop.plant.damping_rate
     return largest_stable_delay(b, loop.kp, loop.kd) if loop.kp > 0 and b + loop.kd > 0 else None
-
-
-def _loop_shape(loop: YawLoop, order: int) -> LoopShape:
-    L = loop.open_loop()
-    exact = frequency_response(L, 1.0, 40.0 / max(loop.delay, 1e-3), turn=0.05)
-    return LoopShape(exact=exact, pade=evaluate(pade(L, order), exact.omega), pade_order=order)
-
-
-def _gain_locus(loop: YawLoop) -> RootLocus:
-    """Roots over a common factor on both gains, 0.02 to 4."""
-
-    def scaled(factor: float) -> YawLoop:
-        gains = PDController(
-            proportional=factor * loop.controller.proportional, derivative=factor * loop.controller.derivative
-        )
-        return replace(loop, controller=gains)
-
-    return root_locus(lambda factor: scaled(factor).closed_loop(), np.geomspace(0.02, 4.0, 240))
-
-
-def _delay_locus(loop: YawLoop) -> RootLocus:
-    """Roots over the delay, from a tenth to four times the loop's own."""
-    centre = max(loop.delay, 1e-3)
-    return root_locus(lambda T: replace(loop, delay=T).closed_loop(), np.geomspace(0.1, 4.0, 240) * centre)
 
 
 def _recoveries(result: StabilityResult, order: int) -> YawRecoveries:

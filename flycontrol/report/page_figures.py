@@ -7,13 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
+from flycontrol.delay.locus import AxisCrossing
+from flycontrol.model.loci import MARKED_DELAYS, MARKED_FACTORS
 from flycontrol.model.study import StabilityStudy
 from flycontrol.report.chain import LoopChain
 from flycontrol.report.figures.bode import bode
 from flycontrol.report.figures.budget import budget, phase_budget
 from flycontrol.report.figures.chart import gain_chart
 from flycontrol.report.figures.damping import p_against_pd
-from flycontrol.report.figures.locus import LocusReading, crossing, root_loci
+from flycontrol.report.figures.locus import LocusReading, nearest_crossing, root_loci
 from flycontrol.report.figures.nyquist import nyquist
 from flycontrol.report.figures.recovery import recoveries
 from flycontrol.report.figures.strength import recovery_against_strength
@@ -57,7 +59,10 @@ def _bode(study: StabilityStudy) -> PageFigure:
     margins, shape = study.result.margins, study.shape
     agreement = (
         f"The Padé approximation of order {shape.pade_order} has the exact magnitude; its phase is off by 1° from "
-        f"{fixed(_parts_at(study, 1 * deg), 0, 'rad/s')} on."
+        f"{fixed(shape.pade_errs_from, 1, 'rad/s')} on."
+        if np.isfinite(shape.pade_errs_from)
+        else f"The Padé approximation of order {shape.pade_order} has the exact magnitude; its phase is off by less "
+        "than 1° here."
     )
     if margins is None:
         finding = "The closed loop is unstable, so no margins are marked. "
@@ -70,26 +75,24 @@ def _bode(study: StabilityStudy) -> PageFigure:
     return _page_figure("bode", figure, "Bode diagram of the open loop", finding + agreement)
 
 
-def _parts_at(study: StabilityStudy, angle: float) -> float:
-    """Lowest frequency [rad/s] at which the Pade loop's phase is off by `angle` [rad]; inf when nowhere."""
-    shape = study.shape
-    off = np.abs(np.angle(shape.pade / shape.exact.value)) > angle
-    return float(shape.exact.omega[np.argmax(off)]) if off.any() else np.inf
-
-
 def _nyquist(study: StabilityStudy) -> PageFigure:
-    margins = study.result.margins
+    margins, found = study.result.margins, study.shape.nyquist
     figure = nyquist(study.shape, margins)
-    if margins is None:
-        caption = (
-            "The curve goes round −1: the closed loop is unstable. Towards ω = 0 both branches leave the picture and "
-            "close through a large half circle on the right, since the heading integrates the yaw rate."
-        )
-    else:
+    side = "right" if study.result.loop.kp >= 0 else "left"
+    ends = f"Towards ω = 0 both branches leave the picture and close through a large half circle on the {side}"
+    if margins is not None:
         caption = (
             f"The loop passes −1 on the safe side at a distance of {fixed(margins.modulus_margin, 3)}, nearest at "
-            f"{fixed(margins.modulus_frequency, 0, 'rad/s')}; exact and Padé curves cannot be told apart here. Towards "
-            "ω = 0 both branches leave the picture and close through a large half circle on the right."
+            f"{fixed(margins.modulus_frequency, 0, 'rad/s')}; exact and Padé curves cannot be told apart here. {ends}."
+        )
+    elif found.count is None:
+        caption = f"The curve runs through −1, so a pole lies on the imaginary axis. {ends}."
+    else:
+        times = {1: "once", 2: "twice"}.get(found.count, f"{found.count} times")
+        caption = (
+            f"With the large half circle the curve goes round −1 {times} clockwise (counted with a certificate), and "
+            f"the open loop has {found.open_loop_unstable or 'no'} unstable poles: the closed loop has "
+            f"{found.closed_loop_unstable}. {ends}, since the heading integrates the yaw rate."
         )
     return _page_figure("nyquist", figure, "Nyquist diagram of the open loop", caption)
 
@@ -111,38 +114,27 @@ def _budget(study: StabilityStudy, chain: LoopChain) -> PageFigure | None:
 
 
 def _gain_locus(study: StabilityStudy) -> PageFigure:
-    margins = study.result.margins
-    reading = LocusReading(
-        own=1.0, crossing=margins.gain_margin if margins is not None else None,
-        labels=(0.25, 0.5, 0.75, 1.5, 2.0, 3.0, 4.0), scale=1.0, unit="×",
-    )  # fmt: skip
-    where, value = crossing(study.gain_locus, 1.0)
-    bound = f"{fixed(reading.crossing if reading.crossing is not None else value, 2)} times the gains of this loop"
-    caption = _locus_caption("both gains together", bound, where, value, study)
+    reading = LocusReading(own=1.0, labels=MARKED_FACTORS, scale=1.0, unit="×")
+    end = nearest_crossing(study.gain_locus, 1.0)
+    bound = "" if end is None else f"{fixed(end.value, 2)} times the gains of this loop"
+    caption = _locus_caption("both gains together change", bound, end, study)
     return _page_figure("gain-locus", root_loci(study.gain_locus, reading), "Root locus in the gain", caption)
 
 
-_DELAYS_MS = (1, 2, 3, 5, 7, 10, 15, 20, 25, 30, 40, 50, 70, 100, 150, 200)  #: written beside the locus where seen
-
-
 def _delay_locus(study: StabilityStudy) -> PageFigure:
-    result = study.result
-    delay, margins = result.loop.delay, result.margins
-    reading = LocusReading(
-        own=delay, crossing=delay + margins.delay_margin if margins is not None else study.closed_form_largest_delay,
-        labels=tuple(ms * delay for delay in _DELAYS_MS), scale=1 / ms, unit=" ms",
-    )  # fmt: skip
-    where, value = crossing(study.delay_locus, delay)
-    bound = f"a delay of {milliseconds(reading.crossing if reading.crossing is not None else value)}"
-    caption = _locus_caption("the reaction delay alone", bound, where, value, study)
+    delay = study.result.loop.delay
+    reading = LocusReading(own=delay, labels=MARKED_DELAYS, scale=1 / ms, unit=" ms")
+    end = nearest_crossing(study.delay_locus, delay)
+    bound = "" if end is None else f"a delay of {milliseconds(end.value)}"
+    caption = _locus_caption("the reaction delay alone changes", bound, end, study)
     return _page_figure("delay-locus", root_loci(study.delay_locus, reading), "Root locus in the delay", caption)
 
 
-def _locus_caption(what: str, bound: str, where: float, value: float, study: StabilityStudy) -> str:
-    start = f"Exact closed-loop poles as {what} change{'s' if 'delay' in what else ''}, upper half plane. "
-    if not np.isfinite(value):
+def _locus_caption(what: str, bound: str, end: AxisCrossing | None, study: StabilityStudy) -> str:
+    start = f"Exact closed-loop poles as {what}, upper half plane. "
+    if end is None:
         return start + "No pole crosses the imaginary axis in this range."
-    turns = where / (2 * np.pi)
+    turns = end.frequency / (2 * np.pi)
     side = "is reached" if study.result.stable else "lies"
     return (
         start + f"The boundary of stability {side} at {bound}, where the loop oscillates at {fixed(turns, 1, 'Hz')}. "

@@ -3,7 +3,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from flycontrol.model.gains import PulseTask, fastest_proportional
+from flycontrol.delay.frequency import evaluate
+from flycontrol.delay.pade import pade
+from flycontrol.model.gains import PulseTask, fastest_proportional, largest_stable_delay
+from flycontrol.model.loci import delay_locus
+from flycontrol.model.loop_shape import loop_shape
 from flycontrol.model.recovery import pulse_response, recovery_time
 from flycontrol.model.study import study
 from flycontrol.model.yaw import YawLoop
@@ -73,15 +77,43 @@ def test_pade_poles_of_rising_order_approach_the_exact_ones(nominal):
     assert errors[-1] < 1e-3 * np.abs(exact).max()
 
 
-def test_loci_pass_through_the_loops_own_poles(nominal):
+def test_loci_hold_the_loops_own_poles(nominal):
     for locus, own in ((nominal.gain_locus, 1.0), (nominal.delay_locus, T)):
-        k = int(np.argmin(np.abs(locus.values - own)))
-        step = abs(locus.values[k] / own - 1)
-        here = locus.branches[:, k]
+        here = locus.branches[:, np.flatnonzero(locus.values == own)[0]]
         for pole in nominal.result.poles[:3]:
             if pole.imag >= 0:
-                # a root moves by about its own size a unit of relative change
-                assert np.nanmin(np.abs(here - pole)) < 3 * step * abs(pole) + 1e-9
+                assert np.nanmin(np.abs(here - pole)) < 1e-10 * abs(pole)
+
+
+def test_loci_cross_the_axis_where_the_margins_end(nominal):
+    (gain,), (delay,) = nominal.gain_locus.crossings, nominal.delay_locus.crossings
+    assert gain.value == pytest.approx(nominal.result.margins.gain_margin, rel=1e-10)
+    assert delay.value == pytest.approx(T + nominal.result.margins.delay_margin, rel=1e-10)
+    assert (nominal.gain_locus.status, nominal.delay_locus.status) == ("certified", "certified")
+
+
+def test_a_locus_of_a_short_delay_reaches_to_where_stability_ends():
+    early = fly(delay=0.5 * ms)
+    (end,) = delay_locus(early).crossings
+    assert end.value == pytest.approx(largest_stable_delay(B, KP, KD), rel=1e-10)
+
+
+def test_the_phase_of_pade_is_off_by_one_degree_from_the_stated_frequency_on(nominal):
+    w = nominal.shape.pade_errs_from
+
+    def off(omega):
+        L = fly().open_loop()
+        return np.degrees(np.abs(np.angle(evaluate(pade(L, 4), omega) / evaluate(L, omega))))
+
+    assert off(np.array([w]))[0] == pytest.approx(1.0, rel=1e-9)
+    assert off(np.linspace(1.0, 0.999 * w, 50)).max() < 1.0
+
+
+def test_nyquist_encirclements_are_the_unstable_poles(nominal):
+    assert (nominal.shape.nyquist.count, nominal.shape.nyquist.status) == (0, "certified")
+    unstable = loop_shape(fly(delay=0.05), 4)
+    assert unstable.nyquist.closed_loop_unstable == (fly(delay=0.05).poles(8).real > 0).sum() > 0
+    assert unstable.negative_crossings.min() < -1
 
 
 def test_an_unstable_loop_is_studied_without_what_only_a_stable_one_has():

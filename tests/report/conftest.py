@@ -6,17 +6,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flycontrol.delay.frequency import evaluate, frequency_response
-from flycontrol.delay.locus import root_locus
-from flycontrol.delay.pade import pade
 from flycontrol.delay.spectrum import rightmost_roots
 from flycontrol.io.parameters import read_parameters
 from flycontrol.model.gain_plane import delay_slice, gain_plane
 from flycontrol.model.gains import ChosenGains, largest_stable_delay
+from flycontrol.model.loci import delay_locus, gain_locus
+from flycontrol.model.loop_shape import loop_shape
 from flycontrol.model.recovery import pulse_response, recovery_curve
 from flycontrol.model.stability import assess
-from flycontrol.model.study import DampingRow, LoopShape, StabilityStudy, YawRecoveries
-from flycontrol.model.yaw import YawLoop
+from flycontrol.model.study import DampingRow, StabilityStudy, YawRecoveries
 from flycontrol.report.nominal import pulse_task, yaw_loop
 from flycontrol.report.provenance import provenance
 from flycontrol.units import deg
@@ -73,16 +71,13 @@ def quick_study(parameters):
     """The parts of a study without the long search for the best P and PD, whose rows are made up here."""
     loop, task = yaw_loop(parameters), pulse_task(parameters)
     result = assess(loop, task)
-    shape = frequency_response(loop.open_loop(), 1.0, 2900.0, turn=0.1)
-    b, kp, kd, T = loop.plant.damping_rate, loop.kp, loop.kd, loop.delay
+    b, kp, kd = loop.plant.damping_rate, loop.kp, loop.kd
     return StabilityStudy(
         result=result,
         closed_form_largest_delay=largest_stable_delay(b, kp, kd),
-        shape=LoopShape(exact=shape, pade=evaluate(pade(loop.open_loop(), 4), shape.omega), pade_order=4),
-        gain_locus=root_locus(
-            lambda f: YawLoop.from_rates(b=b, kp=f * kp, kd=f * kd, delay=T).closed_loop(), np.geomspace(0.05, 4, 60)
-        ),
-        delay_locus=root_locus(lambda d: replace(loop, delay=d).closed_loop(), T * np.geomspace(0.2, 4, 60)),
+        shape=loop_shape(loop, 4, turn=0.1),
+        gain_locus=gain_locus(loop),
+        delay_locus=delay_locus(loop),
         plane=gain_plane(loop),
         delay_slice=delay_slice(loop),
         recoveries=_recoveries(result) if result.stable else None,

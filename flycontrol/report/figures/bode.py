@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from flycontrol.delay.margins import Margins
-from flycontrol.model.study import LoopShape
+from flycontrol.model.loop_shape import LoopShape
 from flycontrol.report.style import (
     EXACT_LINE,
     GUIDE_LINE,

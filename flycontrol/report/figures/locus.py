@@ -9,18 +9,17 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from flycontrol.delay.locus import RootLocus
-from flycontrol.delay.system import ComplexArray, FloatArray
+from flycontrol.delay.locus import AxisCrossing, RootLocus
+from flycontrol.delay.system import ComplexArray
 from flycontrol.report.style import EXACT, FORBIDDEN, GUIDE_LINE, INK, MARK, in_house_style, new_figure
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LocusReading:
-    """How a locus is read: its own value, where it crosses, which values are written beside it."""
+    """How a locus is read: its own value, which values are written beside it, and how."""
 
-    own: float  #: value of the loop itself
-    crossing: float | None  #: value on the boundary of stability that the study solved for; None: read off the locus
-    labels: Sequence[float]  #: values written beside the dominant branch
+    own: float  #: value of the loop itself, one of those of the locus
+    labels: Sequence[float]  #: values of the locus that are written beside the dominant branch
     scale: float  #: value times scale is what is written
     unit: str  #: written after a value
 
@@ -39,65 +38,48 @@ def root_loci(locus: RootLocus, reading: LocusReading) -> Figure:
     figure = new_figure(3.9)
     near, whole = figure.subplots(1, 2, width_ratios=[1.35, 1])
     at_own = _at(locus, reading.own)
-    size = float(np.abs(at_own[np.argmax(at_own.real)]))
+    at_own = at_own[np.isfinite(at_own)]
+    size = float(np.abs(at_own[np.argmax(at_own.real)])) if len(at_own) else np.nan
     for ax in (near, whole):
         _draw_branches(ax, locus)
         ax.plot(
-            at_own.real,
-            at_own.imag,
-            "s",
-            color=EXACT,
-            markersize=5,
+            at_own.real, at_own.imag, "s", color=EXACT, markersize=5,
             label=f"this loop, {_written(reading, reading.own)}",
-        )
+        )  # fmt: skip
         ax.set_xlabel("real part [1/s]")
     near.set_ylabel("imaginary part [1/s]")
     _frame(near, (-2.6 * size, 0.75 * size), 2.3 * size)
     _frame(whole, (-8.0 * size, 0.9 * size), 18.0 * size)
     near.set_title("around the dominant poles")
     whole.set_title("further out")
-    where, value = crossing(locus, reading.own)
-    if np.isfinite(value):
-        exact = reading.crossing is not None
-        text = _written(reading, reading.crossing if reading.crossing is not None else value)
-        near.plot(0, where, "D", color=MARK, markersize=6, label=f"stability ends at {'' if exact else 'about '}{text}")
-    _label_values(near, locus, reading, complex(0, where))
+    end = nearest_crossing(locus, reading.own)
+    if end is not None:
+        text = f"stability ends at {_written(reading, end.value)}"
+        near.plot(0, end.frequency, "D", color=MARK, markersize=6, label=text)
+    _label_values(near, locus, reading, None if end is None else complex(0, end.frequency))
     near.legend(loc="upper left", handletextpad=0.2, borderaxespad=0.2)
     return figure
 
 
-def crossing(locus: RootLocus, own: float) -> tuple[float, float]:
-    """Imaginary part [1/s] and parameter value of the imaginary-axis crossing nearest to `own`, between two samples."""
-    best = (np.nan, np.nan)
-    for branch in locus.branches:
-        a = branch.real
-        for k in np.flatnonzero(a[1:] * a[:-1] < 0):
-            f = a[k] / (a[k] - a[k + 1])
-            value = float(locus.values[k] ** (1 - f) * locus.values[k + 1] ** f)
-            if not np.isfinite(best[1]) or abs(np.log(value / own)) < abs(np.log(best[1] / own)):
-                best = (float(branch.imag[k] + f * (branch.imag[k + 1] - branch.imag[k])), value)
-    return best
+def nearest_crossing(locus: RootLocus, own: float) -> AxisCrossing | None:
+    """The crossing of the imaginary axis whose value is nearest to `own`, as a ratio; None if there is none."""
+    return min(locus.crossings, key=lambda crossing: abs(np.log(crossing.value / own)), default=None)
 
 
 def _at(locus: RootLocus, value: float) -> ComplexArray:
-    """Roots at a value, interpolated along each branch that exists there."""
-    found = [_along(branch, locus.values, value) for branch in locus.branches]
-    return np.array([root for root in found if np.isfinite(root.real)])
-
-
-def _along(branch: ComplexArray, values: FloatArray, value: float) -> complex:
-    there = np.isfinite(branch.real)
-    if there.sum() < 2 or not values[there][0] <= value <= values[there][-1]:
-        return complex(np.nan, np.nan)
-    position = np.interp(np.log(value), np.log(values[there]), np.arange(there.sum()))
-    k = min(int(position), int(there.sum()) - 2)
-    return complex(branch[there][k] + (position - k) * (branch[there][k + 1] - branch[there][k]))
+    """Roots at a value of the locus by branch, NaN where a branch is not; none for a value that it does not hold."""
+    there = np.flatnonzero(locus.values == value)
+    return locus.branches[:, there[0]] if len(there) else np.full(len(locus.branches), np.nan + 0j)
 
 
 def _draw_branches(ax: Axes, locus: RootLocus) -> None:
-    for branch in locus.branches:
-        there = branch[np.isfinite(branch.real)]
-        ax.plot(there.real, there.imag, color=EXACT, linewidth=1.2, solid_joinstyle="round")
+    """Each branch through its collisions, where two roots meet."""
+    for number, branch in enumerate(locus.branches):
+        met = [collision for collision in locus.collisions if number in collision.branches]
+        values = np.append(locus.values, [collision.value for collision in met])
+        every = np.append(branch, [complex(collision.root) for collision in met])[np.argsort(values, kind="stable")]
+        roots: ComplexArray = every[np.isfinite(every)]
+        ax.plot(roots.real, roots.imag, color=EXACT, linewidth=1.2, solid_joinstyle="round")
     ax.axvline(0, **GUIDE_LINE)
 
 
@@ -111,18 +93,20 @@ def _frame(ax: Axes, real: tuple[float, float], top: float) -> None:
     ax.text(real[1], 0.985 * top, "unstable ", ha="right", va="top", color=INK, style="italic")
 
 
-def _label_values(ax: Axes, locus: RootLocus, reading: LocusReading, end: complex) -> None:
+def _label_values(ax: Axes, locus: RootLocus, reading: LocusReading, end: complex | None) -> None:
     """Dots and values along the branch that carries the dominant pair."""
-    pair = max(locus.branches, key=lambda branch: _dominance(branch, locus.values, reading.own))
-    low, high = ax.get_ylim()
-    marked = [end, _along(pair, locus.values, reading.own)]
+    at_own = _at(locus, reading.own)
+    dominance = np.where(np.isfinite(at_own) & (at_own.imag > 0), at_own.real, -np.inf)
+    pair = int(np.argmax(dominance))
+    (left, right), high = ax.get_xlim(), ax.get_ylim()[1]
+    marks = [mark for mark in (end, complex(at_own[pair])) if mark is not None and np.isfinite(mark)]
     written: list[complex] = []
     for value in reading.labels:
-        root = _along(pair, locus.values, value)
-        inside = np.isfinite(root.real) and low < root.imag < high and ax.get_xlim()[0] < root.real < ax.get_xlim()[1]
-        if not inside or root.imag < 0.04 * high or any(abs(root - mark) < 0.05 * high for mark in marked):
+        root = complex(_at(locus, value)[pair])
+        inside = np.isfinite(root.real) and 0.04 * high < root.imag < 0.8 * high and left < root.real < 0.6 * right
+        if not inside or any(_touches(ax, root, other, 0.25) for other in written):
             continue
-        if any(_near(ax, root, other) for other in written):
+        if any(_touches(ax, root, mark, 0.03) for mark in marks):
             continue
         written.append(root)
         ax.plot(root.real, root.imag, "o", color=EXACT, markersize=3)
@@ -131,15 +115,11 @@ def _label_values(ax: Axes, locus: RootLocus, reading: LocusReading, end: comple
         )
 
 
-def _near(ax: Axes, root: complex, other: complex) -> bool:
-    """Whether texts beside two roots could overlap."""
+def _touches(ax: Axes, root: complex, other: complex, reach: float) -> bool:
+    """Whether the text right of a root could touch another mark, or its text that reaches so far [widths]."""
     (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
-    return abs(root.imag - other.imag) < 0.06 * (high - low) and abs(root.real - other.real) < 0.25 * (right - left)
-
-
-def _dominance(branch: ComplexArray, values: FloatArray, own: float) -> float:
-    root = _along(branch, values, own)
-    return root.real if np.isfinite(root.real) and root.imag > 0 else -np.inf
+    beside = (other.real - root.real) / (right - left)
+    return abs(root.imag - other.imag) < (0.06 if reach > 0.1 else 0.04) * (high - low) and -reach < beside < 0.25
 
 
 def _written(reading: LocusReading, value: float) -> str:

@@ -9,7 +9,7 @@ from matplotlib.patches import Arc, Circle
 
 from flycontrol.delay.margins import Margins
 from flycontrol.delay.system import ComplexArray
-from flycontrol.model.study import LoopShape
+from flycontrol.model.loop_shape import LoopShape
 from flycontrol.report.style import (
     EXACT,
     EXACT_LINE,
@@ -23,7 +23,7 @@ from flycontrol.report.style import (
 )
 from flycontrol.units import deg
 
-_LEFT, _RIGHT, _LOW, _HIGH = -2.4, 1.6, -2.1, 1.25
+_LEFT, _RIGHT, _LOW, _HIGH = -2.4, 1.6, -2.1, 1.25  #: the picture, unless the curve crosses further left
 
 
 @in_house_style()
@@ -31,33 +31,35 @@ def nyquist(shape: LoopShape, margins: Margins | None) -> Figure:
     """L(j w) for w > 0, its mirror image in grey, the unit circle, and around -1 the circle of the modulus margin."""
     figure = new_figure(5.0)
     ax = figure.subplots()
-    near = shape.exact.magnitude < 12
+    wide = max(1.0, 1.2 * float(-shape.negative_crossings.min(initial=0.0)) / -_LEFT)  # all crossings left of -1
+    near = shape.exact.magnitude < 12 * wide
     exact, approximate = shape.exact.value[near], shape.pade[near]
     ax.axhline(0, **GUIDE_LINE)
     ax.axvline(0, **GUIDE_LINE)
     ax.add_patch(Circle((0, 0), 1.0, fill=False, edgecolor=QUIET, linewidth=0.8))
-    ax.text(0.74, 0.74, "unit circle", color=QUIET, ha="left")
+    if wide < 2:
+        ax.text(0.74, 0.74, "unit circle", color=QUIET, ha="left")
     ax.plot(exact.real, -exact.imag, color="#bdbdbd", linewidth=1.0)
     ax.plot(exact.real, exact.imag, **EXACT_LINE, label="exact delay, ω > 0")
     ax.plot(approximate.real, approximate.imag, **PADE_LINE, label=f"Padé, order {shape.pade_order}")
     ax.plot([], [], color="#bdbdbd", linewidth=1.0, label="exact, ω < 0")
-    _arrow(ax, exact)
+    _arrow(ax, exact, wide)
     ax.plot(-1, 0, marker="+", color=INK, markersize=10, markeredgewidth=1.6)
     ax.annotate("−1", (-1, 0), xytext=(5, 5), textcoords="offset points", ha="left", weight="bold")
     if margins is not None:
         _mark_margins(ax, margins)
     ax.set_aspect("equal")
-    ax.set_xlim(_LEFT, _RIGHT)
-    ax.set_ylim(_LOW, _HIGH)
+    ax.set_xlim(wide * _LEFT, wide * _RIGHT)
+    ax.set_ylim(wide * _LOW, wide * _HIGH)
     ax.set_xlabel("real part of L [1]")
     ax.set_ylabel("imaginary part of L [1]")
     ax.legend(loc="lower right")
     return figure
 
 
-def _arrow(ax: Axes, curve: ComplexArray) -> None:
+def _arrow(ax: Axes, curve: ComplexArray, wide: float) -> None:
     """Direction of rising frequency, where the curve comes into the picture."""
-    inside = np.flatnonzero((curve.imag > _LOW + 0.4) & (curve.imag < 0) & (np.abs(curve) > 1))
+    inside = np.flatnonzero((curve.imag > wide * (_LOW + 0.4)) & (curve.imag < 0) & (np.abs(curve) > 1))
     if len(inside) < 2:
         return
     k = int(inside[0])
