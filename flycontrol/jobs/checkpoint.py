@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import errno
 import hashlib
 import json
 import os
@@ -14,7 +13,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from flycontrol.errors import InvalidParameterError, OutputError
-from flycontrol.jobs.files import require_writable_folder, write_files_atomically
+from flycontrol.jobs.files import write_files_atomically
 from flycontrol.jobs.work import Work
 
 _JOB = "job.json"
@@ -101,14 +100,12 @@ def opened(checkpoint: Checkpoint, work: Work) -> Generator[ChunkFiles]:
     """
     job = _description(checkpoint, work)
     folder = checkpoint.folder
-    require_writable_folder(folder)
-    _require_same_job(folder, job)
-    if not (folder / _JOB).exists():
-        write_files_atomically(folder, {_JOB: json.dumps(job, indent=2) + "\n"})
     with _locked(folder):
-        _require_same_job(folder, job)  # another process may have been quicker
-        for torn in folder.glob(".chunk-*.part"):  # of a process killed while it wrote
+        _require_same_job(folder, job)
+        for torn in (*folder.glob(".chunk-*.part"), *folder.glob(f".{_JOB}.*.part")):  # of a process killed in a write
             torn.unlink(missing_ok=True)
+        if not (folder / _JOB).exists():
+            write_files_atomically(folder, {_JOB: json.dumps(job, indent=2) + "\n"})
         yield ChunkFiles(folder, hashlib.sha256(json.dumps(job).encode()).digest())
 
 
@@ -147,8 +144,12 @@ def _way_out(folder: Path) -> str:
 
 @contextlib.contextmanager
 def _locked(folder: Path) -> Generator[None]:
-    """Keep other processes out; the system opens the lock when this one ends, however it ends."""
-    if sys.platform == "win32":  # no locks on folders
+    """Make the folder and keep other processes out; the lock opens when this process ends, however it ends."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"{folder} cannot be created for chunks ({error.strerror or error}).") from error
+    if sys.platform == "win32":  # has no locks on folders
         yield
         return
     import fcntl
@@ -157,12 +158,11 @@ def _locked(folder: Path) -> Generator[None]:
     try:
         try:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
-            if error.errno in (errno.EAGAIN, errno.EACCES):
-                raise OutputError(
-                    f"{folder} is in use by another process; wait for it or choose another folder."
-                ) from None
-            # a file system without locks: two jobs at once would write the same bytes twice
+        except BlockingIOError:
+            sentence = f"{folder} is in use by another process; wait for it or choose another folder."
+            raise OutputError(sentence) from None
+        except OSError:  # a file system without locks: two jobs at once would write the same bytes twice
+            pass
         yield
     finally:
         os.close(descriptor)

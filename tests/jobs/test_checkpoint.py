@@ -165,10 +165,17 @@ def test_an_error_of_the_task_keeps_what_was_finished(checkpoint, log):
 
 def test_what_a_killed_process_was_writing_is_removed(work, checkpoint):
     seeded_map(work, 1, checkpoint)
-    torn = checkpoint.folder / ".chunk-000002.npz.0123abcd.part"
-    torn.write_bytes(b"half")
+    torn = [checkpoint.folder / f".{name}.0123abcd.part" for name in ("chunk-000002.npz", "job.json")]
+    for path in torn:
+        path.write_bytes(b"half")
     seeded_map(work, 1, checkpoint)
-    assert not torn.exists()
+    assert not any(path.exists() for path in torn)
+
+
+def test_a_folder_that_cannot_be_made_is_one_sentence(work, tmp_path):
+    (tmp_path / "file").touch()
+    with pytest.raises(OutputError, match="cannot be created for chunks"):
+        seeded_map(work, 1, Checkpoint(tmp_path / "file" / "chunks", "x"))
 
 
 def test_an_identity_that_says_nothing_is_refused(tmp_path):
