@@ -94,13 +94,24 @@ class WeightedProblem:
         return float(loss.sum()), rows * np.sqrt(weights)
 
 
-def minimise(weighted: WeightedProblem, x: FloatArray, most_steps: int = 60, scale: float | None = None) -> Minimum:
+def minimise(
+    weighted: WeightedProblem,
+    x: FloatArray,
+    most_steps: int = 60,
+    scale: float | None = None,
+    close: float = _CLOSE,
+    fixed: int | None = None,
+) -> Minimum:
     """Search from x (k,).
 
     Parameters
     ----------
     scale
         Variance of a whitened residual that convergence is judged by; None: that of the residuals found.
+    close
+        Newton decrement, in units of that variance, at which the search ends.
+    fixed
+        Index of an unknown that stays where it is.
     """
     problem = weighted.problem
     low, high = problem.low, problem.high
@@ -109,10 +120,12 @@ def minimise(weighted: WeightedProblem, x: FloatArray, most_steps: int = 60, sca
     damping, freedom = 1e-3, max(problem.samples - len(x), 1)
     for step in range(most_steps):
         free = ~(((x <= low) & (at.gradient > 0)) | ((x >= high) & (at.gradient < 0)))
+        if fixed is not None:
+            free[fixed] = False
         size = np.sqrt(np.maximum(np.diag(at.matrix), 1e-300))
         H, g = (at.matrix / size / size[:, None])[np.ix_(free, free)], (at.gradient / size)[free]
         newton = _solved(H, g, 1e-13)
-        if g @ newton <= _CLOSE * (scale or at.cost / freedom):
+        if g @ newton <= close * (scale or at.cost / freedom):
             return Minimum(x, at, True, ~free, step)
         while True:
             move = np.zeros(len(x))

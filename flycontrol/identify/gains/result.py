@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ from flycontrol.identify.gains.uncertainty import LocalUncertainty
 from flycontrol.model.yaw import YawLoop
 
 FloatArray = NDArray[np.float64]
+IntervalMethod = Literal["linear", "profile"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,6 +35,8 @@ class Estimate:
     freedom: float  #: degrees of freedom of the interval
     bias: float  #: taken off the least-squares value
     at_bound: bool
+    method: IntervalMethod = "linear"  #: what gave the interval
+    open_because: str = ""  #: why a side of the interval is infinite
 
 
 @dataclass(frozen=True, eq=False)
