@@ -58,6 +58,13 @@ def test_only_jobs_knows_dask():
     assert {room(path) for path in MODULES if knows(path, "distributed") or knows(path, "dask")} <= {"jobs"}
 
 
+def test_only_the_process_that_opens_binary_files_knows_their_libraries():
+    """They crash on damaged files; where they are imported, a crash takes the command with it."""
+    for library in ("h5py", "pyarrow", "netCDF4"):
+        for path in MODULES:
+            assert not knows(path, library) or path.relative_to(PACKAGE).parts[:2] == ("io", "binary"), path
+
+
 def test_only_the_certificate_and_the_design_know_cvxpy():
     for path in MODULES:
         if knows(path, "cvxpy"):

@@ -9,8 +9,10 @@ from numpy.typing import NDArray
 
 from flycontrol.errors import InvalidInputError
 from flycontrol.io.channels import Clock
+from flycontrol.io.places import Scalar
 from flycontrol.io.samples import Samples, read_samples
-from flycontrol.io.tables import TextTable
+from flycontrol.io.scalars import read_scalar
+from flycontrol.io.table_files import Table
 
 FloatArray = NDArray[np.float64]
 
@@ -26,27 +28,65 @@ class SampleTimes:
     rate: float  #: [1/s]
 
 
-def read_clock(table: TextTable, clock: Clock) -> SampleTimes:
-    """t = frame / rate, or the file's own times.
+def read_clock(table: Table, clock: Clock) -> SampleTimes:
+    """t = start + frame / rate, or the file's own times.
 
     Raises
     ------
     InvalidInputError
         If frames or times repeat, go back, leave gaps, or come at a rate that no camera has.
     """
-    count = table.numbers.shape[1]
-    if count < 2:
-        raise InvalidInputError(f"{table.file.name} holds {count} sample of each channel; a recording needs more.")
+    count = _sample_count(table)
     if clock.time is not None:
         times = read_samples(table, clock.time)
+        _refuse_backward(times)
         rate = _even_rate(times)
         _refuse_implausible(table, rate)
         return SampleTimes(times.values, rate)
+    rate = _given_rate(table, clock)
+    frames = np.arange(count, dtype=np.float64) if clock.frame is None else _frames(read_samples(table, clock.frame))
+    return SampleTimes(clock.start + frames / rate, rate)
+
+
+def read_clock_with_gaps(table: Table, clock: Clock) -> SampleTimes:
+    """t = start + frame / rate, or the file's own times, whose median step tells the rate.
+
+    Raises
+    ------
+    InvalidInputError
+        If frames or times repeat, go back, or come at a rate that no camera has.
+    """
+    count = _sample_count(table)
+    if clock.time is not None:
+        times = read_samples(table, clock.time)
+        _refuse_backward(times)
+        rate = 1 / float(np.median(np.diff(times.values)))
+        _refuse_implausible(table, rate)
+        return SampleTimes(times.values, rate)
+    rate = _given_rate(table, clock)
+    if clock.frame is None:
+        return SampleTimes(clock.start + np.arange(count) / rate, rate)
+    frames = read_samples(table, clock.frame)
+    broken = np.flatnonzero(frames.values != np.rint(frames.values))
+    if broken.size:
+        raise frames.refusal(int(broken[0]), f"is {frames.values[broken[0]]:.10g}; frames are whole numbers")
+    _refuse_backward(frames)
+    return SampleTimes(clock.start + frames.values / rate, rate)
+
+
+def _sample_count(table: Table) -> int:
+    count = len(table.numbers[0]) if len(table.numbers) else 0
+    if count < 2:
+        raise InvalidInputError(f"{table.file.name} holds {count} sample of each channel; a recording needs more.")
+    return count
+
+
+def _given_rate(table: Table, clock: Clock) -> float:
     if clock.rate is None:
         raise InvalidInputError(f"{table.file.name}: the mapping gives neither a rate nor times.")
-    _refuse_implausible(table, clock.rate)
-    frames = np.arange(count, dtype=np.float64) if clock.frame is None else _frames(read_samples(table, clock.frame))
-    return SampleTimes(frames / clock.rate, clock.rate)
+    rate = read_scalar(table, clock.rate) if isinstance(clock.rate, Scalar) else clock.rate
+    _refuse_implausible(table, rate)
+    return rate
 
 
 def _frames(frames: Samples) -> FloatArray:
@@ -61,14 +101,20 @@ def _frames(frames: Samples) -> FloatArray:
     return frames.values
 
 
-def _even_rate(times: Samples) -> float:
+def _refuse_backward(times: Samples) -> None:
     steps = np.diff(times.values)
     backward = np.flatnonzero(steps <= 0)
     if backward.size:
         sample = int(backward[0]) + 1
         what = "repeats" if steps[sample - 1] == 0 else "goes back"
         text = f"{times.table.text(times.index, sample - 1)} to {times.table.text(times.index, sample)}"
-        raise times.refusal(sample, f"{what} ({text}); times must increase")
+        raise times.refusal(
+            sample, f"{what} ({text}); {'times' if 'time' in times.channel.key else 'frames'} must increase"
+        )
+
+
+def _even_rate(times: Samples) -> float:
+    steps = np.diff(times.values)
     median = float(np.median(steps))
     uneven = np.flatnonzero(np.abs(steps - median) > UNEVEN * median)
     if uneven.size:
@@ -81,7 +127,7 @@ def _even_rate(times: Samples) -> float:
     return float((len(times.values) - 1) / (times.values[-1] - times.values[0]))
 
 
-def _refuse_implausible(table: TextTable, rate: float) -> None:
+def _refuse_implausible(table: Table, rate: float) -> None:
     if not SLOWEST <= rate <= FASTEST:
         raise InvalidInputError(
             f"{table.file.name}: {rate:.6g} samples a second, outside the plausible {SLOWEST:g} to {FASTEST:g}; "

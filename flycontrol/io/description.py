@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flycontrol.errors import InvalidInputError
+from flycontrol.io.formats import TEXT_FORMATS, TextFormat
 from flycontrol.io.mapping import known_mapping, shipped_mappings
+from flycontrol.io.places import Orientation
 from flycontrol.io.recordings import read_recording
-from flycontrol.io.tables import Line, Orientation, TableFormat, TextTable, is_number, split_lines, text_table
+from flycontrol.io.tables import Line, TextTable, is_number, split_lines, text_table
 from flycontrol.io.text_files import TextFile, read_text_file
 
 FloatArray = NDArray[np.float64]
-
-_FORMATS: tuple[TableFormat, ...] = ("csv", "tsv", "whitespace")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,7 +40,7 @@ class FileSummary:
     """Layout of a text table as it looks, and its channels."""
 
     name: str
-    format: TableFormat
+    format: TextFormat
     orientation: Orientation
     channels: tuple[ChannelSummary, ...]
 
@@ -97,8 +97,8 @@ def _fits(path: Path | str, name: str) -> bool:
     return True
 
 
-def _layout(file: TextFile) -> tuple[TableFormat, list[Line]]:
-    for form in _FORMATS:
+def _layout(file: TextFile) -> tuple[TextFormat, list[Line]]:
+    for form in TEXT_FORMATS:
         lines = split_lines(file, form)
         widths = {len(line.fields) for line in lines}
         if len(widths) == 1 and widths != {1}:

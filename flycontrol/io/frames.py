@@ -53,6 +53,11 @@ def world_to_body(vector_W: FloatArray, q_WB: FloatArray) -> FloatArray:
     return Rotation.from_quat(q_WB, scalar_first=True).apply(vector_W, inverse=True)
 
 
+def body_to_world(vector_B: FloatArray, q_WB: FloatArray) -> FloatArray:
+    """v_W = R_WB v_B, (N, 3)."""
+    return Rotation.from_quat(q_WB, scalar_first=True).apply(vector_B)
+
+
 def body_to_stroke_plane(vector_B: FloatArray, angle: float) -> FloatArray:
     """v_S = Ry(angle) v_B, (N, 3), angle in [rad]."""
     return vector_B @ pitch_rotation(angle).T

@@ -7,6 +7,8 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, PlainValidator
 from pydantic_core import PydanticCustomError
 
+from flycontrol.io.experiment import Convention
+from flycontrol.io.formats import FileFormat
 from flycontrol.io.toml_files import Table
 
 
@@ -23,14 +25,15 @@ Sign = Literal[1, -1]
 class FileTable(Table):
     """How the file is laid out."""
 
-    format: Literal["whitespace", "csv", "tsv"]
-    channels: Literal["rows", "columns"]
+    format: FileFormat
+    channels: Literal["rows", "columns"] | None = None  #: of a table; the variables of other files have names
     count: Annotated[int, Field(gt=0)] | None = None  #: of channels in the file; another count is refused
 
 
 class PlaceTable(Table):
-    """Where one channel is: a row or a column, by its number from 0 or by its name."""
+    """Where one channel is: a row or a column of a table, or a variable, or a row or a column of a variable."""
 
+    variable: str | None = Field(default=None, min_length=1, max_length=200)
     row: Place | None = None
     column: Place | None = None
 
@@ -47,7 +50,8 @@ class ClockTable(Table):
     """The clock: frame numbers and their rate, a rate alone, or a channel of times."""
 
     frame: PlaceTable | None = None
-    rate: Any = None  #: a quantity such as "7500 1/s"
+    rate: Any = None  #: a quantity such as "7500 1/s", or a table that says where a file gives it
+    start: Any = None  #: time of frame 0 or of the first sample, a quantity such as "-50 ms"
     time: ChannelTable | None = None
     wingbeat_frequency: Any = None  #: what to expect, where no wing is mapped to measure it
 
@@ -63,6 +67,8 @@ class FramesTable(Table):
 class PlacesTable(Table):
     """Where the components of a vector or a quaternion are."""
 
+    variable: str | None = Field(default=None, min_length=1, max_length=200)
+    variables: list[Annotated[str, Field(min_length=1, max_length=200)]] | None = None
     rows: list[Place] | None = None
     columns: list[Place] | None = None
 
@@ -95,6 +101,61 @@ class WingTable(Table):
     pitch: ChannelTable
 
 
+class YawTable(ChannelTable):
+    """The heading."""
+
+    unwrapped: bool = False  #: has no jumps of a full turn, not even across gaps
+
+
+class ScalarTable(PlaceTable):
+    """One number for a whole trial: a variable or column that holds it, or an attribute of the group or file."""
+
+    attribute: str | None = Field(default=None, min_length=1, max_length=200)
+    unit: str
+
+
+class LabelTable(PlaceTable):
+    """One word for a whole trial, found in a variable or column, an attribute, the file's name, or its path."""
+
+    attribute: str | None = Field(default=None, min_length=1, max_length=200)
+    file_name: str | None = Field(default=None, min_length=1, max_length=200)
+    path: str | None = Field(default=None, min_length=1, max_length=200)
+
+
+class TrialTable(PlaceTable):
+    """How the trials of an experiment are told apart; the place is that of a column that names each row's trial."""
+
+    groups: Any = None  #: a name, a pattern such as "trial_*", or a list of them
+    name: Any = None  #: a table as of LabelTable
+    fly: Any = None  #: a text, or a table as of LabelTable
+    gaps: Literal["refuse", "cut"] = "refuse"
+
+
+class PerturbationTable(Table):
+    """What perturbed the fly."""
+
+    kind: Literal["pulse", "trace", "unknown"] | None = None
+    onset: Any = None  #: a quantity such as "20 ms", or a table as of ScalarTable
+    duration: Any = None
+    angular_impulse: Any = None
+    trace: ChannelTable | None = None
+    time: ChannelTable | None = None  #: the trace's own clock
+    angular_acceleration_per_unit: Any = None
+    torque_per_unit: Any = None
+    inertia: Any = None
+
+
+class PaddlingTable(PlaceTable):
+    """d_alpha: a channel of it, or the angles of both wings."""
+
+    unit: str | None = None
+    sign: Sign = 1
+    convention: Convention
+    left: ChannelTable | None = None
+    right: ChannelTable | None = None
+    stroke: ChannelTable | None = None
+
+
 class MappingFile(Table):
     """A complete mapping file."""
 
@@ -104,11 +165,14 @@ class MappingFile(Table):
     file: FileTable
     clock: ClockTable
     frames: FramesTable = FramesTable()
-    yaw: ChannelTable | None = None
+    yaw: YawTable | None = None
     position: PositionTable | None = None
     quaternion: QuaternionTable | None = None
     velocity: VectorTable | None = None
     angular_velocity: VectorTable | None = None
     left: WingTable | None = None
     right: WingTable | None = None
+    trial: TrialTable | None = None
+    perturbation: PerturbationTable | None = None
+    paddling: PaddlingTable | None = None
     notes: dict[str, str] = Field(default={})

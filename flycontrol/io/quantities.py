@@ -39,6 +39,8 @@ hertz = 1 / second = Hz
 newton = kilogram meter / second ** 2 = N
 joule = newton meter = J
 watt = joule / second = W
+ampere = [current] = A
+volt = watt / ampere = V
 pascal = newton / meter ** 2 = Pa
 percent = 0.01 = %
 """
@@ -67,11 +69,14 @@ DAMPING = Kind("a rotational damping", "N m s", "21e-12 N m s")
 TORQUE = Kind("a torque", "N m", "2e-10 N m")
 STIFFNESS = Kind("a torque per angle", "N m/rad", "9.3e-10 N m/rad")
 TORQUE_PER_RATE = Kind("a torque per angular velocity", "N m s/rad", "1.4e-11 N m s/rad")
+ANGULAR_ACCELERATION = Kind("an angular acceleration", "rad/s^2", "200 rad/s^2")
+CURRENT = Kind("a current", "A", "50 mA")
+VOLTAGE = Kind("a voltage", "V", "2 V")
 NUMBER = Kind("a number without unit", "1", "0.58")
 
 KINDS = (
     *(TIME, FREQUENCY, LENGTH, AREA, MASS, ANGLE, VELOCITY, ANGULAR_VELOCITY, RATE_SQUARED, INERTIA, DAMPING),
-    *(TORQUE, STIFFNESS, TORQUE_PER_RATE, NUMBER),
+    *(TORQUE, STIFFNESS, TORQUE_PER_RATE, ANGULAR_ACCELERATION, CURRENT, VOLTAGE, NUMBER),
 )
 
 
@@ -122,8 +127,14 @@ def read_quantity(entry: object, *kinds: Kind, key: str, where: str = "") -> Qua
 
 def unit_factor(unit: str, *kinds: Kind, key: str, where: str = "") -> float:
     """Size of a unit in the SI unit of its kind: 1e-3 for "mm" as a length; refused like `read_quantity`."""
+    return known_unit(unit, *kinds, key=key, where=where).value
+
+
+def known_unit(unit: str, *kinds: Kind, key: str, where: str = "") -> Quantity:
+    """Return one of a unit as a quantity, 1e-3 A for "mA"; refused like `read_quantity`."""
     place = f"{where}: " if where else ""
-    return _kind_and_factor(unit, kinds, f"{place}{key} is '{unit}'")[1]
+    kind, factor = _kind_and_factor(unit, kinds, f"{place}{key} is '{unit}'")
+    return Quantity(factor, kind)
 
 
 def _kind_and_factor(text: str, kinds: tuple[Kind, ...], sentence: str) -> tuple[Kind, float]:

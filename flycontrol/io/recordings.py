@@ -7,13 +7,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from flycontrol.errors import InvalidInputError
 from flycontrol.io import frames, plausibility
-from flycontrol.io.channels import Channel, RecordingMapping, VectorChannels, WingChannels
+from flycontrol.io.binary.reader import shared_reader
+from flycontrol.io.channels import RecordingMapping, VectorChannels, WingChannels
 from flycontrol.io.clock import SampleTimes, read_clock
 from flycontrol.io.mapping import read_mapping
+from flycontrol.io.places import Channel
 from flycontrol.io.samples import Samples, read_samples
-from flycontrol.io.tables import TextTable, read_text_table
+from flycontrol.io.table_files import Table, read_tables, recording_contents
 from flycontrol.model.recording import Recording, WingAngles
 
 FloatArray = NDArray[np.float64]
@@ -25,9 +26,9 @@ def read_recording(path: Path | str, mapping: RecordingMapping | Path | str) -> 
     Parameters
     ----------
     path
-        A text table of numbers.
+        A text table, or a MATLAB, HDF5, netCDF or Parquet file.
     mapping
-        What its rows or columns mean: a mapping, a mapping file, or the name of a shipped one.
+        What its rows, columns or variables mean: a mapping, a mapping file, or the name of a shipped one.
 
     Returns
     -------
@@ -40,8 +41,7 @@ def read_recording(path: Path | str, mapping: RecordingMapping | Path | str) -> 
         If file and mapping do not fit, a mapped number is missing, the clock is uneven, or the motion is none of a fly.
     """
     known = mapping if isinstance(mapping, RecordingMapping) else read_mapping(mapping)
-    table = read_text_table(Path(path), known.format, known.orientation)
-    _refuse_other_count(table, known)
+    table = read_tables(Path(path), known, recording_contents(known), shared_reader())[0]
     clock = read_clock(table, known.clock)
     recording = _assembled(table, known, clock)
     plausibility.refuse_short(recording, known.clock)
@@ -49,7 +49,7 @@ def read_recording(path: Path | str, mapping: RecordingMapping | Path | str) -> 
     return recording
 
 
-def _assembled(table: TextTable, mapping: RecordingMapping, clock: SampleTimes) -> Recording:
+def _assembled(table: Table, mapping: RecordingMapping, clock: SampleTimes) -> Recording:
     q_WB = _attitude(table, mapping)
     return Recording(
         name=Path(table.file.name).stem,
@@ -68,16 +68,7 @@ def _assembled(table: TextTable, mapping: RecordingMapping, clock: SampleTimes) 
     )
 
 
-def _refuse_other_count(table: TextTable, mapping: RecordingMapping) -> None:
-    count = len(table.numbers)
-    if mapping.count is not None and count != mapping.count:
-        raise InvalidInputError(
-            f"{table.file.name} has {count} {table.orientation} where the mapping {mapping.name} expects "
-            f"{mapping.count}; another mapping is needed (flycontrol report without --mapping prints one to edit)."
-        )
-
-
-def _yaw(table: TextTable, channel: Channel | None, rate: float) -> FloatArray | None:
+def _yaw(table: Table, channel: Channel | None, rate: float) -> FloatArray | None:
     """Heading without jumps of a full turn."""
     if channel is None:
         return None
@@ -86,7 +77,7 @@ def _yaw(table: TextTable, channel: Channel | None, rate: float) -> FloatArray |
     return np.unwrap(samples.values)
 
 
-def _position(table: TextTable, mapping: RecordingMapping, rate: float) -> FloatArray | None:
+def _position(table: Table, mapping: RecordingMapping, rate: float) -> FloatArray | None:
     if mapping.position is None:
         return None
     components = [read_samples(table, channel) for channel in mapping.position]
@@ -95,7 +86,7 @@ def _position(table: TextTable, mapping: RecordingMapping, rate: float) -> Float
     return frames.world_z_up(_stacked(components), mapping.world_z or "up")
 
 
-def _attitude(table: TextTable, mapping: RecordingMapping) -> FloatArray | None:
+def _attitude(table: Table, mapping: RecordingMapping) -> FloatArray | None:
     if mapping.quaternion is None:
         return None
     components = [read_samples(table, channel) for channel in mapping.quaternion.channels]
@@ -109,7 +100,7 @@ def _attitude(table: TextTable, mapping: RecordingMapping) -> FloatArray | None:
 
 
 def _in_stroke_plane(
-    table: TextTable, mapping: RecordingMapping, vector: VectorChannels | None, q_WB: FloatArray | None
+    table: Table, mapping: RecordingMapping, vector: VectorChannels | None, q_WB: FloatArray | None
 ) -> FloatArray | None:
     if vector is None:
         return None
@@ -128,7 +119,7 @@ def _in_stroke_plane(
     return frames.body_to_stroke_plane(values, mapping.stroke_plane_angle)
 
 
-def _wing(table: TextTable, wing: WingChannels | None) -> WingAngles | None:
+def _wing(table: Table, wing: WingChannels | None) -> WingAngles | None:
     if wing is None:
         return None
     stroke, deviation, pitch = (read_samples(table, channel) for channel in (wing.stroke, wing.deviation, wing.pitch))

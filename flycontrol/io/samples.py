@@ -9,11 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flycontrol.errors import InvalidInputError
-from flycontrol.io.channels import Channel
+from flycontrol.io.places import Channel, Place
+from flycontrol.io.table_files import Table
 from flycontrol.io.tables import TextTable
+from flycontrol.io.variable_table import VariableTable
 
 FloatArray = NDArray[np.float64]
 
+_MISSING = {"", "nan", "+nan", "-nan"}  #: what stands where nothing was measured
 LARGEST = 1e30  #: numbers that no file of measurements holds: markers of missing values, and what would overflow
 
 
@@ -21,7 +24,7 @@ LARGEST = 1e30  #: numbers that no file of measurements holds: markers of missin
 class Samples:
     """A channel in SI units that still knows where each sample stands in the file."""
 
-    table: TextTable
+    table: Table
     channel: Channel
     index: int  #: of the row or column in the table
     values: FloatArray  #: (N,) [SI unit of the channel's kind]
@@ -31,39 +34,47 @@ class Samples:
         return InvalidInputError(f"{self.table.place(self.index, sample)}: {self.channel.key} {what}.")
 
 
-def read_samples(table: TextTable, channel: Channel) -> Samples:
+def read_samples(table: Table, channel: Channel, *, missing: bool = False) -> Samples:
     """SI value = offset + sign * factor * number, for every sample of a channel.
+
+    Where samples may be missing, an empty field or NaN becomes NaN.
 
     Raises
     ------
     InvalidInputError
-        If the row or column does not exist, or a sample is no finite number of ordinary size.
+        If the row, column or variable does not exist, or a sample is no finite number of ordinary size.
     """
-    index = _index(table, channel)
+    index = index_of(table, channel.place, channel.key, channel.where)
     numbers = table.numbers[index]
     samples = Samples(table, channel, index, channel.offset + channel.sign * (channel.factor * numbers))
-    bad = np.flatnonzero(~(np.abs(numbers) < LARGEST))
-    if bad.size:
-        text = table.text(index, int(bad[0]))
-        raise samples.refusal(
-            int(bad[0]), f'is not a usable number ("{text}"); cut the recording there or fill the gap'
-        )
+    for sample in np.flatnonzero(~(np.abs(numbers) < LARGEST)):
+        text = table.text(index, int(sample)).strip()
+        if not (missing and text.lower() in _MISSING):
+            remedy = (
+                "mark what is missing with an empty field or nan"
+                if missing
+                else "cut the recording there or fill the gap"
+            )
+            raise samples.refusal(int(sample), f'is not a usable number ("{text[:60]}"); {remedy}')
     return samples
 
 
-def _index(table: TextTable, channel: Channel) -> int:
-    if isinstance(channel.place, str):
-        return _named_index(table, channel, channel.place)
+def index_of(table: Table, place: Place, key: str, where: str) -> int:
+    """Which of a table's channels is at a place; InvalidInputError if it has none there."""
+    if isinstance(table, VariableTable):
+        return table.index_of(place, key)
+    if not isinstance(place, int):
+        return _named_index(table, str(place), key, where)
     count = len(table.numbers)
-    if channel.place >= count:
+    if place >= count:
         raise InvalidInputError(
-            f"{table.file.name} has {count} {table.orientation} (0 to {count - 1}), but {channel.where} maps "
-            f"{channel.key} to {table.kind} {channel.place}."
+            f"{table.file.name} has {count} {table.orientation} (0 to {count - 1}), but {where} maps "
+            f"{key} to {table.kind} {place}."
         )
-    return channel.place
+    return place
 
 
-def _named_index(table: TextTable, channel: Channel, name: str) -> int:
+def _named_index(table: TextTable, name: str, key: str, where: str) -> int:
     found = [index for index, known in enumerate(table.names) if known == name]
     if len(found) == 1:
         return found[0]
@@ -75,4 +86,4 @@ def _named_index(table: TextTable, channel: Channel, name: str) -> int:
         near = get_close_matches(name, table.names, n=1)
         known = f"the nearest is {near[0]!r}" if near else f"there are {', '.join(table.names[:12])}"
         fault = f"has no {table.kind} named {name!r}; {known}"
-    raise InvalidInputError(f"{table.file.name} {fault} ({channel.where}, {channel.key}).")
+    raise InvalidInputError(f"{table.file.name} {fault} ({where}, {key}).")

@@ -5,19 +5,19 @@ from __future__ import annotations
 import csv
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flycontrol.errors import InvalidInputError
+from flycontrol.io.formats import TextFormat
+from flycontrol.io.places import Orientation
 from flycontrol.io.text_files import TextFile, read_text_file
 
 FloatArray = NDArray[np.float64]
-TableFormat = Literal["whitespace", "csv", "tsv"]
-Orientation = Literal["rows", "columns"]
+IntArray = NDArray[np.int64]
 
 _LINE_END = re.compile(r"\r\n|\r|\n")
 _DELIMITERS = {"csv": ",", "tsv": "\t"}
@@ -57,8 +57,19 @@ class TextTable:
         line, field = (channel, sample) if self.orientation == "rows" else (sample, channel)
         return self.lines[line].fields[field + self.first_field]
 
+    def words(self, channel: int) -> list[str]:
+        """All fields of a channel, without the white space around them."""
+        return [self.text(channel, sample).strip() for sample in range(self.numbers.shape[1])]
 
-def read_text_table(path: Path, form: TableFormat, orientation: Orientation) -> TextTable:
+    def subset(self, samples: IntArray) -> TextTable:
+        """Return the table of some samples; only where channels are columns do the lines say which."""
+        if self.orientation == "rows":
+            kept = [Line(line.number, _chosen(line.fields, self.first_field, samples)) for line in self.lines]
+            return replace(self, lines=kept, numbers=self.numbers[:, samples])
+        return replace(self, lines=[self.lines[k] for k in samples], numbers=self.numbers[:, samples])
+
+
+def read_text_table(path: Path, form: TextFormat, orientation: Orientation) -> TextTable:
     """Read a table of numbers; a first line (channels in columns) or first field (in rows) without numbers names them.
 
     Empty lines and lines that begin with # are skipped.
@@ -96,7 +107,7 @@ def text_table(file: TextFile, lines: list[Line], orientation: Orientation) -> T
     )
 
 
-def split_lines(file: TextFile, form: TableFormat) -> list[Line]:
+def split_lines(file: TextFile, form: TextFormat) -> list[Line]:
     """Split a file into lines of fields; InvalidInputError if nothing is left."""
     numbered = enumerate(_LINE_END.split(file.text), start=1)
     filled = [(number, text) for number, text in numbered if text.strip() and not text.lstrip().startswith("#")]
@@ -112,6 +123,10 @@ def split_lines(file: TextFile, form: TableFormat) -> list[Line]:
 def is_number(text: str) -> bool:
     """Whether a field reads as a number, NaN and infinity included."""
     return not math.isnan(_number(text)) or text.strip().lower() in {"nan", "-nan", "+nan"}
+
+
+def _chosen(fields: list[str], first: int, samples: IntArray) -> list[str]:
+    return fields[:first] + [fields[first + k] for k in samples]
 
 
 def _separated(file: TextFile, filled: list[tuple[int, str]], delimiter: str) -> list[Line]:

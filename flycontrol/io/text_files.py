@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from flycontrol.errors import InvalidInputError
+from flycontrol.io.formats import refuse_binary, require_regular_file
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,10 +27,7 @@ def read_text_file(path: Path) -> TextFile:
     InvalidInputError
         If there is no such file, if it is a folder, empty, unreadable, or no UTF-8 text.
     """
-    if path.is_dir():
-        raise InvalidInputError(f"{path} is a folder; name a file in it.")
-    if path.exists() and not path.is_file():  # a device may never end
-        raise InvalidInputError(f"{path} is not a regular file; save the data in a file first.")
+    require_regular_file(path)
     try:
         data = path.read_bytes()
     except FileNotFoundError as error:
@@ -43,6 +41,7 @@ def text_file(name: str, data: bytes) -> TextFile:
     """Decode the bytes of a file; refused like `read_text_file`."""
     if not data.strip():
         raise InvalidInputError(f"{name} is empty.")
+    refuse_binary(name, data)
     zero = data.find(b"\0")
     if zero >= 0:
         raise InvalidInputError(f"{name} is not a text file: byte {zero} is zero; save it as UTF-8 text.")

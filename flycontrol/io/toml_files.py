@@ -64,8 +64,8 @@ def parse_toml(file: TextFile) -> TomlFile:
         raise InvalidInputError(f"{file.name} is not valid TOML: {error}.") from error
 
 
-def structured(model: type[Model], data: dict[str, Any], toml: TomlFile) -> Model:
-    """Check the tables and keys of a file against a model.
+def structured(model: type[Model], data: dict[str, Any], toml: TomlFile, within: str = "") -> Model:
+    """Check the tables and keys of a file, or of its table named by `within`, against a model.
 
     Raises
     ------
@@ -77,13 +77,14 @@ def structured(model: type[Model], data: dict[str, Any], toml: TomlFile) -> Mode
     except ValidationError as error:
         fault = error.errors(include_url=False)[0]
         keys = tuple(str(part) for part in fault["loc"])
-        raise InvalidInputError(f"{toml.where(*keys)}: {_sentence(fault, keys, model)}.") from error
+        whole = (*filter(None, within.split(".")), *keys)
+        raise InvalidInputError(f"{toml.where(*whole)}: {_sentence(fault, keys, model, within)}.") from error
 
 
-def _sentence(fault: ErrorDetails, keys: tuple[str, ...], model: type[Table]) -> str:
-    key = ".".join(keys)
+def _sentence(fault: ErrorDetails, keys: tuple[str, ...], model: type[Table], within: str) -> str:
+    key = ".".join((*filter(None, [within]), *keys))
     if fault["type"] == "extra_forbidden":
-        return f"{key} is not a key known here; {nearest(key, list(dotted_names(model)))}"
+        return f"{key} is not a key known here; {nearest('.'.join(keys), list(dotted_names(model)))}"
     if fault["type"] == "missing":
         return f"{key} is missing"
     if fault["type"] in {"model_type", "model_attributes_type"}:

@@ -73,7 +73,7 @@ def test_an_unknown_name_is_refused_with_the_shipped_ones(tmp_path):
         ('world_z = "up"', "", "frames.world_z is missing"),
         ('stroke_plane_angle = "55 deg"', "stroke_plane_angle = 55", "frames.stroke_plane_angle is 55, without a unit"),
         ('frame = "stroke plane"', 'frame = "lab"', "velocity.frame is 'lab'; input should be"),
-        ('format = "whitespace"', 'format = "xlsx"', "file.format is 'xlsx'; input should be 'whitespace', 'csv' or"),
+        ('format = "whitespace"', 'format = "xlsx"', "file.format is 'xlsx'; input should be 'whitespace', 'csv',"),
         ('source = "freeflightplots"', 'source = "nobody"', "'nobody' is no reference"),
         ("[velocity]", "[velocty]", "velocty is not a key known here; the nearest known key is velocity"),
         ("[file]", "[file]\nchannelz = 1", "file.channelz is not a key known here; the nearest known key is file.chan"),

@@ -194,7 +194,9 @@ def test_a_device_is_refused():
 
 def test_a_binary_file_is_refused(tmp_path):
     (tmp_path / "a.mat").write_bytes(b"MATLAB 5.0 MAT-file\x00\x01\x02")
-    assert "is not a text file: byte 19 is zero" in refusal(tmp_path / "a.mat")
+    assert "a.mat is a MATLAB file by its first bytes, no text; say format = 'mat'" in refusal(tmp_path / "a.mat")
+    (tmp_path / "c.txt").write_bytes(b"1 2 3\x00\x01\x02")
+    assert "is not a text file: byte 5 is zero" in refusal(tmp_path / "c.txt")
     (tmp_path / "b.txt").write_bytes(b"1 2\n3 \xb5\n")
     assert "b.txt, line 2: byte 0xb5 is not UTF-8" in refusal(tmp_path / "b.txt")
 
