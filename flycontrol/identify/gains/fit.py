@@ -9,13 +9,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import scipy.special
 from numpy.typing import NDArray
 
 from flycontrol.errors import InvalidParameterError
-from flycontrol.identify.gains.least_squares import Loss, Minimum, WeightedProblem, minimise
+from flycontrol.identify.gains.least_squares import Loss, Minimum, NormalEquations, WeightedProblem, minimise
 from flycontrol.identify.gains.model import GainModel, gain_model
 from flycontrol.identify.gains.noise import Noise, estimate, order_by_bic, white
 from flycontrol.identify.gains.problem import Channel, FitProblem, fit_problem
@@ -98,13 +99,15 @@ def _roughness(channel: Channel) -> float:
 def _best_minimum(weighted: WeightedProblem) -> Minimum:
     """The best of searches from several delays: all of them where the first leaves much, or the delay, undetermined."""
     starts = starting_points(weighted.problem)
-    best = minimise(weighted, starts[0].x)
+    first = next(starts)
+    best = minimise(weighted, first.x)
     soft = _soft(weighted, best)
-    for other in starts[1:]:
-        if soft or (other.lowest and other.residual < _NEAR * starts[0].residual):
-            found = minimise(weighted, other.x)
-            if found.at.cost < best.at.cost and (found.converged or not best.converged):
-                best = found
+    for other in starts:
+        if not (soft or (other.lowest and other.residual < _NEAR * first.residual)):
+            break
+        found = minimise(weighted, other.x)
+        if found.at.cost < best.at.cost and (found.converged or not best.converged):
+            best = found
     return best
 
 
@@ -124,13 +127,25 @@ def _with_noise(weighted: WeightedProblem, minimum: Minimum, kind: str | int) ->
     problem, orders = weighted.problem, None
     for _ in range(_ROUNDS):
         noises, orders = _noises(weighted, minimum.x, kind, orders)
-        weighted = WeightedProblem(problem, noises, weighted.loss)
+        before, weighted = weighted.noise[0][0], WeightedProblem(problem, noises, weighted.loss)
+        if _only_the_size_changed(weighted, orders):
+            return weighted, _rescaled(minimum, (before.deviation / noises[0][0].deviation) ** 2)
         found = minimise(weighted, minimum.x, scale=1.0)
         settled = found.steps == 0
         minimum = found
         if settled or not any(order for channels in orders for order in channels):
             break
     return weighted, minimum
+
+
+def _only_the_size_changed(weighted: WeightedProblem, orders: list[list[int]]) -> bool:
+    """White noise of a single channel weighs nothing against anything: the minimum stays where it is."""
+    return orders == [[0]] and not weighted.problem.priors and weighted.loss == "linear"
+
+
+def _rescaled(minimum: Minimum, factor: float) -> Minimum:
+    at = minimum.at
+    return replace(minimum, at=NormalEquations(at.cost * factor, at.gradient * factor, at.matrix * factor))
 
 
 def _noises(

@@ -14,9 +14,10 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg.lapack import dposv  # type: ignore[attr-defined]
 
 from flycontrol.identify.gains.noise import Noise, whitened
-from flycontrol.identify.gains.problem import FitProblem
+from flycontrol.identify.gains.problem import FitProblem, TrialPart
 
 FloatArray = NDArray[np.float64]
 Loss = Literal["linear", "huber"]
@@ -54,35 +55,44 @@ class WeightedProblem:
 
     def rows(self, x: FloatArray, derivatives: bool = True) -> list[list[FloatArray]]:
         """Whitened residuals and, below, derivatives of each channel: by trial, by channel (1 + m, n)."""
-        found: list[list[FloatArray]] = []
-        for part, noises in zip(self.problem.parts, self.noise, strict=True):
-            mine = part.predicted(x, derivatives)
-            for rows, channel in zip(mine, part.channels, strict=True):
-                rows[0] -= channel.values
-            found.append(
-                [whitened(r, c.firsts, noise) for r, c, noise in zip(mine, part.channels, noises, strict=True)]
-            )
-        return found
+        return [
+            self._whitened(part, noises, x, derivatives)
+            for part, noises in zip(self.problem.parts, self.noise, strict=True)
+        ]
+
+    def _whitened(self, part: TrialPart, noises: Sequence[Noise], x: FloatArray, derivatives: bool) -> list[FloatArray]:
+        mine = part.predicted(x, derivatives)
+        for rows, channel in zip(mine, part.channels, strict=True):
+            rows[0] -= channel.values
+        return [whitened(r, c.firsts, noise) for r, c, noise in zip(mine, part.channels, noises, strict=True)]
 
     def normal_equations(self, x: FloatArray) -> NormalEquations:
         """Cost, gradient and matrix at x (k,)."""
         k = len(x)
         cost, gradient, matrix = 0.0, np.zeros(k), np.zeros((k, k))
-        for part, channels in zip(self.problem.parts, self.rows(x), strict=True):
-            square = np.zeros((1 + len(part.active),) * 2)
-            for rows in channels:
-                loss, weighted = self._robust(rows)
-                square += weighted @ weighted.T
-                cost += loss
+        for part, noises in zip(self.problem.parts, self.noise, strict=True):
+            loss, square = self._products(part, noises, x)
+            cost += loss
             gradient[part.places] += square[0, 1:]
-            matrix[np.ix_(part.places, part.places)] += square[1:, 1:]
-        for i, setting in enumerate(self.problem.settings):
-            if setting.prior is not None:
-                pull = (x[i] - setting.prior.mean) / setting.prior.deviation
-                cost += pull**2
-                gradient[i] += pull / setting.prior.deviation
-                matrix[i, i] += setting.prior.deviation**-2
+            matrix[part.grid] += square[1:, 1:]
+        for i, prior in self.problem.priors:
+            pull = (x[i] - prior.mean) / prior.deviation
+            cost += pull**2
+            gradient[i] += pull / prior.deviation
+            matrix[i, i] += prior.deviation**-2
         return NormalEquations(cost, gradient, matrix)
+
+    def _products(self, part: TrialPart, noises: Sequence[Noise], x: FloatArray) -> tuple[float, FloatArray]:
+        """Cost of one trial and the products of its weighted rows (1 + m, 1 + m)."""
+        if self.loss == "linear" and len(part.channels) == 1:
+            square = part.products(x, noises[0])
+            return float(square[0, 0]), square
+        cost, square = 0.0, np.zeros((1 + len(part.active),) * 2)
+        for rows in self._whitened(part, noises, x, derivatives=True):
+            loss, weighted = self._robust(rows)
+            square += weighted @ weighted.T
+            cost += loss
+        return cost, square
 
     def _robust(self, rows: FloatArray) -> tuple[float, FloatArray]:
         """Cost, and rows weighted so that their products are gradient and matrix of it."""
@@ -123,7 +133,9 @@ def minimise(
         if fixed is not None:
             free[fixed] = False
         size = np.sqrt(np.maximum(np.diag(at.matrix), 1e-300))
-        H, g = (at.matrix / size / size[:, None])[np.ix_(free, free)], (at.gradient / size)[free]
+        H, g = at.matrix / (size * size[:, None]), at.gradient / size
+        if not free.all():
+            H, g = H[np.ix_(free, free)], g[free]
         newton = _solved(H, g, 1e-13)
         if g @ newton <= close * (scale or at.cost / freedom):
             return Minimum(x, at, True, ~free, step)
@@ -145,9 +157,8 @@ def minimise(
 
 def _solved(H: FloatArray, g: FloatArray, damping: float) -> FloatArray:
     """(H + damping diag H)^-1 g for a matrix with a unit diagonal."""
-    damped = H.copy()
-    damped[np.diag_indices_from(damped)] += damping
-    try:
-        return np.asarray(np.linalg.solve(damped, g), dtype=np.float64)
-    except np.linalg.LinAlgError:
-        return np.asarray(np.linalg.lstsq(damped, g, rcond=None)[0], dtype=np.float64)
+    damped = H + damping * np.eye(len(g))
+    _, solution, failed = dposv(damped, g)
+    if failed:  # singular to rounding: the shortest of the steps that fit best
+        solution = np.linalg.lstsq(damped, g, rcond=None)[0]
+    return np.asarray(solution, dtype=np.float64)

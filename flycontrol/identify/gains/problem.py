@@ -10,7 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flycontrol.errors import InvalidInputError
-from flycontrol.identify.gains.model import GainModel, Unknown
+from flycontrol.identify.gains.kernels import normal as kernels
+from flycontrol.identify.gains.kernels.march import RULE
+from flycontrol.identify.gains.model import GainModel, Prior, Unknown
+from flycontrol.identify.gains.noise import Noise
 from flycontrol.identify.gains.response import NAMES, Drive, Span, drive_of, evaluate, parameter_vector, span_of
 from flycontrol.model.trial import Pulse, TorqueTrace, Trial
 
@@ -43,6 +46,15 @@ class TrialPart:
     resting: FloatArray  #: values of the parameters that are known (12,)
     active: IntArray  #: (m,) indices of the unknown ones among `NAMES`
     places: IntArray  #: (m,) where they stand in the vector of unknowns
+    grid: tuple[NDArray[np.intp], ...]  #: the same for a matrix
+
+    def products(self, x: FloatArray, noise: Noise) -> FloatArray:
+        """R R^T (1 + m, 1 + m) of whitened residuals of yaw and, below, its derivatives."""
+        yaw, drive = self.channels[0], self.drive
+        return kernels.products(
+            self.parameters(x), self.active, self.span, (drive.majors, drive.minors), drive.pieces,
+            (yaw.times, yaw.values, yaw.firsts), (noise.pacf, noise.deviation), RULE,
+        )  # fmt: skip
 
     def parameters(self, x: FloatArray) -> FloatArray:
         """The kernel's parameters (12,) for a vector of unknowns."""
@@ -88,6 +100,11 @@ class FitProblem:
     def high(self) -> FloatArray:
         """Upper bounds (k,)."""
         return np.array([setting.high for setting in self.settings])
+
+    @cached_property
+    def priors(self) -> list[tuple[int, Prior]]:
+        """Place and prior of the unknowns that have one."""
+        return [(i, setting.prior) for i, setting in enumerate(self.settings) if setting.prior is not None]
 
     @property
     def samples(self) -> int:
@@ -163,7 +180,7 @@ def _part(trial: Trial, model: GainModel, mine: Sequence[str], places: Sequence[
         trial=trial, drive=drive, span=span_of(np.array([ends.min(), ends.max()]), drive),
         channels=tuple(channels), resting=resting,
         active=np.array([NAMES.index(name) for name in mine], dtype=np.int64),
-        places=np.array(places, dtype=np.int64),
+        places=np.array(places, dtype=np.int64), grid=np.ix_(places, places),
     )  # fmt: skip
 
 

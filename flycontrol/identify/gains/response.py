@@ -5,8 +5,9 @@
 with N(w) = w, or limit tanh(w / limit) where paddling saturates (review, Eq. 6-8, restoring gains positive; the
 controller acts on the yaw angle). Before the recording the fly turned uniformly, psi = yaw + rate (t - start). Measured
 yaw is heading + psi. The method of steps makes w known on panels no longer than the delay, cut at every kink (the
-pulse's edges and all their images under the delay); there psi' solves a linear equation, collocated at
-Chebyshev-Lobatto nodes. Derivatives obey the same equation, driven by the response itself:
+pulse's edges and all their images under the delay). There psi' = exp(-b t) (psi'(0) + integral of exp(b s) times the
+torque), and integrals are those of interpolants at Chebyshev-Lobatto nodes. Derivatives obey the same equation, driven
+by the response itself:
 
     s'' = -b s' + dN_ext/dp / I - N'(w) (kp s + kd s' + ki integral of s)(t - T) - N'(w) dw/dp,
 

@@ -8,7 +8,7 @@ initial yaw and rate. For each delay of a grid the gains shared by all trials fo
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,7 +34,7 @@ class Start:
     lowest: bool  #: a local minimum over the delay
 
 
-def starting_points(problem: FitProblem) -> list[Start]:
+def starting_points(problem: FitProblem) -> Iterator[Start]:
     """One starting point for each delay tried: first the local minima of the regression's residual, best first."""
     lags, regressions = _lags(problem), _regressions(problem)
     asked = [name for name in _SHARED if name in problem.model.unknown]
@@ -43,10 +43,8 @@ def starting_points(problem: FitProblem) -> list[Start]:
     around = np.concatenate([[np.inf], residuals, [np.inf]])
     lowest = (around[:-2] >= residuals) & (residuals <= around[2:])
     order = np.lexsort((residuals, ~lowest))
-    return [
-        Start(_point(problem, regressions, int(lags[i]), asked, gains[i]), float(residuals[i]), bool(lowest[i]))
-        for i in order
-    ]
+    for i in order:
+        yield Start(_point(problem, regressions, int(lags[i]), asked, gains[i]), float(residuals[i]), bool(lowest[i]))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -67,6 +67,9 @@ def local_uncertainty(weighted: WeightedProblem, minimum: Minimum, bias: bool = 
 def _freedom(weighted: WeightedProblem, x: FloatArray, C: FloatArray) -> FloatArray:
     """Satterthwaite's degrees of freedom of each diagonal entry of C."""
     variance = np.zeros(len(x))
+    noises = weighted.noise
+    if len(noises) == 1 and len(noises[0]) == 1 and noises[0][0].order == 0:  # C is one variance times a known matrix
+        return np.full(len(x), 2.0 / noises[0][0].uncertainty[0, 0])
     for part, noises in zip(weighted.problem.parts, weighted.noise, strict=True):
         predicted = part.predicted(x)
         for rows, channel, noise in zip(predicted, part.channels, noises, strict=True):

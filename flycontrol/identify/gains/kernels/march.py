@@ -6,12 +6,14 @@ import numba
 import numpy as np
 
 NODES = 14
+#: Sums may be regrouped, so that they run in lanes; infinities keep their meaning (no saturation).
+COMPILED = {"cache": True, "error_model": "numpy", "fastmath": {"reassoc", "contract", "nsz"}}
 KP, KD, KI, DELAY, B, LIMIT, IMPULSE, SHIFT, YAW, RATE, HEADING, GAMMA = range(12)
 PARAMETERS = 12
 
 
 def _lobatto():
-    """Chebyshev-Lobatto nodes on [0, 1], integration from 0 to each, values to series, barycentric weights."""
+    """Chebyshev-Lobatto nodes on [0, 1], integration from 0 and values to series (transposed), barycentric weights."""
     n = NODES - 1
     nodes = 0.5 * (1.0 - np.cos(np.pi * np.arange(NODES) / n))
     chebyshev = np.polynomial.chebyshev
@@ -23,13 +25,13 @@ def _lobatto():
         integral[:, j] = chebyshev.chebval(2.0 * nodes - 1.0, anti)
     weights = (-1.0) ** np.arange(NODES)
     weights[[0, -1]] *= 0.5
-    return nodes, np.ascontiguousarray(integral @ to_series), np.ascontiguousarray(to_series), weights
+    return nodes, np.ascontiguousarray((integral @ to_series).T), np.ascontiguousarray(to_series.T), weights
 
 
 RULE = _lobatto()
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(**COMPILED)
 def panel_edges(start, end, delay, majors, minors, longest):
     """Edges of panels: the start and the majors with all their images under the delay, the minors as they are."""
     images = int((end - start) / delay) + 2
@@ -69,18 +71,19 @@ def panel_edges(start, end, delay, majors, minors, longest):
     return divided
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(**COMPILED)
 def _series(values, to_series, series):
     """Chebyshev coefficients of each row of values."""
     for c in range(values.shape[0]):
         for i in range(NODES):
-            total = 0.0
-            for j in range(NODES):
-                total += to_series[i, j] * values[c, j]
-            series[c, i] = total
+            series[c, i] = 0.0
+        for j in range(NODES):
+            value = values[c, j]
+            for i in range(NODES):
+                series[c, i] += value * to_series[j, i]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(**COMPILED)
 def _past(p, active, ago, w, i):
     """Node i of the delayed signals before the start: uniform turning, psi = yaw + rate (t - start)."""
     m = 1 + len(active)
@@ -98,7 +101,7 @@ def _past(p, active, ago, w, i):
             w[c, i] = kp * ago + kd + 0.5 * ki * ago * ago
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(**COMPILED)
 def _interpolated(z, x, nodes, weights, w, i):
     """Node i of the delayed signals from an earlier panel's values at its nodes, barycentric at x in [0, 1]."""
     rows = z.shape[0]
@@ -119,7 +122,7 @@ def _interpolated(z, x, nodes, weights, w, i):
         w[c, i] /= total
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(**COMPILED)
 def _delayed(p, active, edges, k, source, z, rule, w):
     """Fed-back signals one delay ago at the nodes of panel k; the index of the earliest panel that they come from."""
     nodes, weights = rule[0], rule[3]
@@ -144,7 +147,7 @@ def _delayed(p, active, edges, k, source, z, rule, w):
     return source
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(**COMPILED)
 def _fly(p, active, w, F):
     """N_fly / I at the nodes from the fed-back signals one delay ago, and its derivatives; tanh saturates it."""
     m = 1 + len(active)
@@ -170,7 +173,7 @@ def _fly(p, active, w, F):
                 F[c, i] += by_limit
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(**COMPILED)
 def _push(p, active, drive, knots, t0, h, nodes, F, R):
     """R: the fly's torque F and the external one at the nodes of a panel that no knot cuts, with derivatives."""
     levels, slopes = drive[1], drive[2]
@@ -192,7 +195,7 @@ def _push(p, active, drive, knots, t0, h, nodes, F, R):
                 R[c + 1, i] -= p[IMPULSE] * slopes[piece]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(**COMPILED)
 def _kick(p, active, drive, knots, t0, tolerance, rates):
     """Derivatives with respect to the shift jump where the drive does: by minus the jump of psi''."""
     levels, slopes = drive[1], drive[2]
@@ -205,36 +208,18 @@ def _kick(p, active, drive, knots, t0, tolerance, rates):
                 rates[c + 1] -= p[IMPULSE] * (levels[q] - before)
 
 
-@numba.njit(cache=True, error_model="numpy")
-def _solver(b, h, integral, step, ones):
-    """psi' = ones psi'(0) + step R solves psi'' = -b psi' + R on a panel of length h."""
-    system = h * b * integral
-    for i in range(NODES):
-        system[i, i] += 1.0
-    inverse = np.linalg.inv(system)
-    for i in range(NODES):
-        total = 0.0
-        for j in range(NODES):
-            total += inverse[i, j]
-        ones[i] = total
-        for j in range(NODES):
-            total = 0.0
-            for q in range(NODES):
-                total += inverse[i, q] * integral[q, j]
-            step[j, i] = h * total
-
-
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(**COMPILED)
 def _integrated(start, h, integral, rates, values):
     """values: start plus the integral of rates from the panel's beginning to each node."""
     for i in range(NODES):
-        total = 0.0
-        for j in range(NODES):
-            total += integral[i, j] * rates[j]
-        values[i] = start + h * total
+        values[i] = start
+    for j in range(NODES):
+        rate = h * rates[j]
+        for i in range(NODES):
+            values[i] += rate * integral[j, i]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(**COMPILED)
 def march(p, active, start, end, majors, minors, drive, wants_fly, rule):
     """Panels of psi and its derivatives, and if wanted of N_fly / I: edges and Chebyshev series.
 
@@ -262,8 +247,7 @@ def march(p, active, start, end, majors, minors, drive, wants_fly, rule):
             om[c] = 1.0
         elif active[c - 1] == B:
             by_b = c
-    solved, newest = np.full(8, -1.0), 0
-    steps, ones = np.empty((8, NODES, NODES)), np.empty((8, NODES))
+    fading = np.empty(NODES)
     source = 0
     for k in range(n):
         t0, h = edges[k], edges[k + 1] - edges[k]
@@ -273,24 +257,17 @@ def march(p, active, start, end, majors, minors, drive, wants_fly, rule):
             _series(F, to_series, fly[k])
         _push(p, active, drive, knots, t0, h, nodes, F, R)
         _kick(p, active, drive, knots, t0, 1e-9 * h, om)
-        at = -1
-        for q in range(8):
-            if abs(solved[q] - h) < 1e-12 * h:
-                at = q
-        if at < 0:
-            at, newest = newest, (newest + 1) % 8
-            solved[at] = h
-            _solver(b, h, integral, steps[at], ones[at])
+        for i in range(NODES):
+            fading[i] = np.exp(-b * h * nodes[i])
         for c in range(m):
             if c == by_b:
                 for i in range(NODES):
                     R[c, i] -= OM[0, i]
             for i in range(NODES):
-                OM[c, i] = om[c] * ones[at, i]
-            for j in range(NODES):
-                r = R[c, j]
-                for i in range(NODES):
-                    OM[c, i] += r * steps[at, j, i]
+                w[c, i] = R[c, i] / fading[i]
+            _integrated(om[c], h, integral, w[c], OM[c])
+            for i in range(NODES):
+                OM[c, i] *= fading[i]
             _integrated(psi[c], h, integral, OM[c], PSI[c])
             if ki != 0.0 or (c > 0 and active[c - 1] == KI) or c == 0:
                 _integrated(zt[c], h, integral, PSI[c], ZT[c])
@@ -303,7 +280,7 @@ def march(p, active, start, end, majors, minors, drive, wants_fly, rule):
     return edges, yaw, fly
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(**COMPILED)
 def sampled(edges, series, times, out):
     """out (columns, k): the series at non-decreasing times, continuous to the right."""
     T = np.empty(NODES)
