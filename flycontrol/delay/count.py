@@ -17,8 +17,9 @@ from flycontrol.errors import InvalidParameterError
 if TYPE_CHECKING:
     from flycontrol.delay.convert import Operand
 
-_MOST_STEPS = 200_000
-_STATUS = {winding.TOO_NEAR: "a root too near the line", winding.NOT_COUNTED: "not certified"}
+MOST_STEPS = 200_000  # of a count along its line
+#: in words, what a count returns instead of a number
+STATUS = {winding.TOO_NEAR: "a root too near the line", winding.NOT_COUNTED: "not certified"}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,10 +81,10 @@ def _counted(systems: Sequence[DelayLTI | CharacteristicBlocks], lines: FloatArr
     if len(systems[0].A) == 0:
         return [RootCount(line=float(line), roots=0, steps=0, status="certified") for line in lines]
     A, B2, C2, D22, tau = stacked(systems)
-    roots, steps = winding.count_each(A, B2, C2, D22, tau, lines, _MOST_STEPS)
+    roots, steps = winding.count_each(A, B2, C2, D22, tau, lines, MOST_STEPS)
     return [
         RootCount(
-            line=float(line), roots=int(r) if r >= 0 else None, steps=int(k), status=_STATUS.get(int(r), "certified")
+            line=float(line), roots=int(r) if r >= 0 else None, steps=int(k), status=STATUS.get(int(r), "certified")
         )
         for line, r, k in zip(lines, roots, steps, strict=True)
     ]

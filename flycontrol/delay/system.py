@@ -52,22 +52,23 @@ class DelayLTI:
     name: str = ""
 
     def __post_init__(self) -> None:
-        n, m, p, q = self.n_states, self.n_inputs, self.n_outputs, self.n_delays
+        n, m, p, q = len(self.A), self.B1.shape[-1], len(self.C1), len(self.tau)
         shapes = {
             "A": (n, n), "B1": (n, m), "B2": (n, q), "C1": (p, n), "C2": (q, n),
             "D11": (p, m), "D12": (p, q), "D21": (q, m), "D22": (q, q), "tau": (q,),
         }  # fmt: skip
-        for name, shape in shapes.items():
-            block: FloatArray = getattr(self, name)
+        blocks: list[FloatArray] = [getattr(self, name) for name in shapes]
+        for name, block, shape in zip(shapes, blocks, shapes.values(), strict=True):
             if block.shape != shape:
                 raise InvalidParameterError(
                     f"DelayLTI.{name} must have shape {shape} to fit A (n = {n}), B1 (m = {m}), C1 (p = {p}) "
                     f"and tau (q = {q}), got {block.shape}."
                 )
-            if not np.isfinite(block).all():
-                raise InvalidParameterError(f"DelayLTI.{name} must be finite, got {block.tolist()!r}.")
             block.setflags(write=False)
-        if not (self.tau > 0).all():
+        if not np.isfinite(np.concatenate(blocks, axis=None)).all():  # one test for all: ten take longer than the rest
+            name = next(name for name, block in zip(shapes, blocks, strict=True) if not np.isfinite(block).all())
+            raise InvalidParameterError(f"DelayLTI.{name} must be finite, got {getattr(self, name).tolist()!r}.")
+        if not all(t > 0 for t in self.tau.tolist()):
             raise InvalidParameterError(f"DelayLTI.tau must be > 0 s, got {self.tau.tolist()!r}.")
         _check_names("input_names", self.input_names, m)
         _check_names("output_names", self.output_names, p)

@@ -5,55 +5,30 @@ from __future__ import annotations
 import numba
 import numpy as np
 
+from flycontrol.delay.kernels.winding import characteristic, invert
 
-@numba.njit(cache=True)
+
+@numba.njit(cache=True, error_model="numpy")
 def log_derivative(A, B2, C2, D22, tau, s):
-    """f'(s) / f(s) = tr(M^-1 M') for f = det M, M = [[s I - A, -B2], [-E C2, I - E D22]]; inf where M is singular."""
-    n, q = A.shape[0], len(tau)
-    size = n + q
-    M = np.zeros((size, size), np.complex128)
-    R = np.zeros((size, size), np.complex128)
-    for a in range(n):
-        for b in range(n):
-            M[a, b] = -A[a, b]
-        M[a, a] += s
-        R[a, a] = 1.0
-        for c in range(q):
-            M[a, n + c] = -B2[a, c]
-    for c in range(q):
-        factor = np.exp(-s * tau[c])
-        for b in range(n):
-            M[n + c, b] = -factor * C2[c, b]
-            R[n + c, b] = tau[c] * factor * C2[c, b]
-        for d in range(q):
-            M[n + c, n + d] = -factor * D22[c, d]
-            R[n + c, n + d] = tau[c] * factor * D22[c, d]
-        M[n + c, n + c] += 1.0
-    for k in range(size):  # Gauss-Jordan with row pivoting turns R into M^-1 M'
-        pivot = k
-        for i in range(k + 1, size):
-            if abs(M[i, k]) > abs(M[pivot, k]):
-                pivot = i
-        if M[pivot, k] == 0.0:
-            return complex(np.inf)
-        if pivot != k:
-            for j in range(size):
-                M[k, j], M[pivot, j] = M[pivot, j], M[k, j]
-                R[k, j], R[pivot, j] = R[pivot, j], R[k, j]
-        for i in range(size):
-            if i != k and M[i, k] != 0.0:
-                ratio = M[i, k] / M[k, k]
-                for j in range(k, size):
-                    M[i, j] -= ratio * M[k, j]
-                for j in range(size):
-                    R[i, j] -= ratio * R[k, j]
+    """f'(s) / f(s) = tr(M^-1 M') for f = det M, M = [[s I - A, -B2], [-E C2, I - E D22]]; inf where M is singular.
+
+    M' has the rows of I above those of -tau_i (M - I), so that with N = M^-1 the trace is that of the first n entries
+    N_aa, and of tau_i (N_ii - 1) for the delays.
+    """
+    n, q = B2.shape
+    M, N = np.empty((n + q, n + q), np.complex128), np.empty((n + q, n + q), np.complex128)
+    characteristic(M, A, B2, C2, D22, tau, s)
+    if invert(M, N) == 0.0:
+        return complex(np.inf)
     trace = 0.0j
-    for k in range(size):
-        trace += R[k, k] / M[k, k]
+    for a in range(n):
+        trace += N[a, a]
+    for c in range(q):
+        trace += tau[c] * (N[n + c, n + c] - 1.0)
     return trace
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def polish(blocks, roots, paired, sweeps):
     """Ehrlich-Aberth iteration on the roots with imag >= 0, in place; returns the size of each last step.
 
@@ -82,8 +57,10 @@ def polish(blocks, roots, paired, sweeps):
             if not paired[k]:
                 step = complex(step.real)
             roots[k] = s - step
+            # a step within rounding that no longer shrinks is rounding
+            still = abs(step) > 1e-12 * abs(roots[k]) or abs(step) < 0.5 * steps[k]
             steps[k] = abs(step)
-            active[k] = steps[k] > 1e-15 * abs(roots[k])
+            active[k] = still and steps[k] > 1e-15 * abs(roots[k])
             moved = moved or active[k]
         if not moved:
             break

@@ -8,7 +8,7 @@ import numpy as np
 TOO_NEAR, NOT_COUNTED = -1, -2
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def scale(A, B2, C2, D22):
     """Scale states and delayed signals to each other, in place: by powers of two, so that nothing is rounded.
 
@@ -17,47 +17,60 @@ def scale(A, B2, C2, D22):
     """
     n, q = B2.shape
     states, signals = np.ones(n), np.ones(q)
-    weight = np.abs(A)
+    weight = np.zeros((n, n))
     for a in range(n):
         for b in range(n):
+            weight[a, b] = abs(A[a, b])
             for c in range(q):
                 weight[a, b] += abs(B2[a, c] * C2[c, b])
     for _ in range(10):
         settled = True
         for i in range(n):  # Osborne: row and column of alike size
-            row, column = -weight[i, i], -weight[i, i]
+            row, column = 0.0, 0.0
             for j in range(n):
-                row += weight[i, j]
-                column += weight[j, i]
-            if not (row > 0.0 and column > 0.0):
-                continue
-            factor = 2.0 ** np.round(0.5 * np.log2(column / row))
+                if j != i:
+                    row += weight[i, j]
+                    column += weight[j, i]
+            factor = _halfway(column, row)
             if factor != 1.0:
                 settled = False
                 states[i] *= factor
-                for M in (weight, A):
-                    M[i] *= factor
-                    M[:, i] /= factor
-                B2[i] *= factor
-                C2[:, i] /= factor
+                for j in range(n):
+                    weight[i, j] *= factor
+                    weight[j, i] /= factor
         if settled:
             break
     for c in range(q):  # a delayed signal's entry and reading of alike size
         entry, reading = 0.0, 0.0
         for a in range(n):
-            entry = max(entry, abs(B2[a, c]))
-            reading = max(reading, abs(C2[c, a]))
-        if entry > 0.0 and reading > 0.0:
-            factor = 2.0 ** np.round(0.5 * np.log2(reading / entry))
-            signals[c] = factor
-            B2[:, c] *= factor
-            D22[:, c] *= factor
-            C2[c] /= factor
-            D22[c] /= factor
+            entry = max(entry, abs(B2[a, c]) * states[a])
+            reading = max(reading, abs(C2[c, a]) / states[a])
+        signals[c] = _halfway(reading, entry)
+    _rescale(A, B2, C2, D22, states, signals)
     return states, signals
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
+def _halfway(size, other):
+    """The power of two next to sqrt(size / other); 1 where either is zero."""
+    return 2.0 ** np.rint(0.5 * np.log2(size / other)) if size > 0.0 and other > 0.0 else 1.0
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _rescale(A, B2, C2, D22, f, g):
+    n, q = B2.shape
+    for a in range(n):
+        for b in range(n):
+            A[a, b] *= f[a] / f[b]
+        for c in range(q):
+            B2[a, c] *= f[a] * g[c]
+            C2[c, a] /= g[c] * f[a]
+    for c in range(q):
+        for d in range(q):
+            D22[c, d] *= g[d] / g[c]
+
+
+@numba.njit(cache=True, error_model="numpy")
 def characteristic(M, A, B2, C2, D22, tau, s):
     """Fill M = [[s I - A, -B2], [-E C2, I - E D22]]."""
     n, q = A.shape[0], len(tau)
@@ -76,12 +89,12 @@ def characteristic(M, A, B2, C2, D22, tau, s):
         M[n + c, n + c] += 1.0
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _size(z):
     return abs(z.real) + abs(z.imag)
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def invert(M, inverse):
     """Gauss-Jordan with row pivoting; returns the direction of det M, of modulus 1, or 0 if M is singular."""
     size = M.shape[0]
@@ -120,7 +133,7 @@ def invert(M, inverse):
     return direction
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _perron_bound(inverse, slope, product, y, image):
     """Upper bound on the Perron root of P = |inverse| slope: max (P y)_i / y_i for any y > 0 (Collatz, Wielandt).
 
@@ -150,39 +163,74 @@ def _perron_bound(inverse, slope, product, y, image):
     return bound
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
+def _feeds_itself(D22):
+    """Whether a path leads from a delay back into itself without passing a state."""
+    q = len(D22)
+    fed = np.ones(q, np.bool_)
+    for _ in range(q):  # each sweep settles at least one channel more
+        looped = False
+        for c in range(q):
+            fed[c] = False
+            for d in range(q):
+                fed[c] = fed[c] or (D22[c, d] != 0.0 and fed[d])
+            looped = looped or fed[c]
+        if not looped:
+            return False
+    return q > 0
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _sizes(A, B2, C2, D22, growth):
+    """|A| + |B2| (I - G |D22|)^-1 G |C2|, G = diag growth."""
+    n, q = B2.shape
+    N, chain = np.empty((n, n)), np.zeros((q, n))
+    for _ in range(q):  # exact: D22 is nilpotent
+        for c in range(q):
+            for b in range(n):
+                total = abs(C2[c, b])
+                for d in range(q):
+                    total += abs(D22[c, d]) * chain[d, b]
+                chain[c, b] = growth[c] * total
+    for a in range(n):
+        for b in range(n):
+            N[a, b] = abs(A[a, b])
+            for c in range(q):
+                N[a, b] += abs(B2[a, c]) * chain[c, b]
+    return N
+
+
+@numba.njit(cache=True, error_model="numpy")
 def radius(A, B2, C2, D22, growth):
-    """A bound on |s| for every root with |exp(-s tau)| <= growth; inf for a system of neutral type.
+    """A bound on |s| for every root with |exp(-s tau)| <= growth; inf for a system of neutral type or on overflow.
 
     The Perron root of |A| + |B2| (I - G |D22|)^-1 G |C2|, G = diag growth, from above by Collatz and Wielandt.
     """
-    n, q = B2.shape
-    reach = np.ones(q)
-    for _ in range(q):
-        reach = np.abs(D22) @ reach
-    if q > 0 and reach.max() > 0.0:
+    n = len(A)
+    if _feeds_itself(D22):
         return np.inf
-    N = np.abs(A)
-    if q > 0:
-        chain = np.zeros((q, n))
-        for _ in range(q):  # exact: D22 is nilpotent
-            chain = np.abs(C2) + np.abs(D22) @ chain
-            for c in range(q):
-                chain[c] *= growth[c]
-        N += np.abs(B2) @ chain
-    y = np.ones(n)
+    N = _sizes(A, B2, C2, D22, growth)
+    y, image = np.ones(n), np.empty(n)
     bound = np.inf
     for _ in range(8):
-        product = N @ y
-        ratio = (product / y).max()
+        ratio, largest = 0.0, 0.0
+        for a in range(n):
+            image[a] = 0.0
+            for b in range(n):
+                image[a] += N[a, b] * y[b]
+            if not image[a] < 1e300:  # overflow, or zero times infinity
+                return np.inf
+            ratio = max(ratio, image[a] / y[a])
         bound = min(bound, ratio)
-        y = product + 0.3 * ratio * y + 1e-300  # the shift keeps a periodic matrix from swinging
-        y /= y.max()
-        y = np.maximum(y, 1e-12)
+        for a in range(n):
+            y[a] = image[a] + 0.3 * ratio * y[a] + 1e-300  # the shift keeps a periodic matrix from swinging
+            largest = max(largest, y[a])
+        for a in range(n):
+            y[a] = max(y[a] / largest, 1e-12)
     return bound
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _phase_along_line(M, A, B2, C2, D22, tau, line, top, most):
     """Phase change of det M(line + j w) from w = 0 to `top`, its direction there, and the steps taken.
 
@@ -223,7 +271,7 @@ def _phase_along_line(M, A, B2, C2, D22, tau, line, top, most):
     return (total if before != 0.0 else np.nan), before, steps
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def count_right_of(A, B2, C2, D22, tau, line, most):
     """Roots with Re s > line of a system with states, scaled as by `scale`, or TOO_NEAR or NOT_COUNTED; and the steps.
 
@@ -244,11 +292,11 @@ def count_right_of(A, B2, C2, D22, tau, line, most):
     corner = n * np.angle(complex(line, top))
     arc = corner + np.angle(direction * np.exp(complex(0.0, -corner)))
     turns = (arc - phase) / np.pi
-    whole = np.round(turns)
+    whole = np.rint(turns)
     return (int(whole) if abs(turns - whole) < 1e-6 else NOT_COUNTED), steps
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def count_each(A, B2, C2, D22, tau, line, most):
     """`count_right_of` for k systems of one structure: blocks (k, ...), tau (k, q), line (k,). Scales the blocks."""
     roots = np.empty(len(line), np.int64)
