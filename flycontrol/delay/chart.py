@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from typing import Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,9 @@ from flycontrol.delay.spectrum import Spectrum, rightmost_roots
 from flycontrol.delay.system import DelayLTI, FloatArray
 from flycontrol.errors import InvalidParameterError
 from flycontrol.jobs.progress import Progress, no_progress
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes as MplAxes
 
 Quantity = Literal["unstable_roots", "decay_rate", "modulus_margin", "boundary"]
 _QUANTITIES = ("unstable_roots", "decay_rate", "modulus_margin", "boundary")
@@ -63,6 +66,12 @@ class StabilityChart:
     def stable(self) -> NDArray[np.bool_]:
         """Where every root has Re s < 0, shape (ny, nx)."""
         return self.unstable_roots == 0
+
+    def plot(self, quantity: str | None = None, **options: Any) -> MplAxes:
+        """Draw it; options and return value as in `stability_chart_plot`."""
+        from flycontrol.delay.plots import stability_chart_plot
+
+        return stability_chart_plot(self, quantity, **options)
 
 
 def stability_chart(

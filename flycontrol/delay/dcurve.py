@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +14,9 @@ from flycontrol.delay.family import Family
 from flycontrol.delay.spectrum import rightmost_roots
 from flycontrol.delay.system import FloatArray
 from flycontrol.errors import InvalidParameterError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _LONGEST = 0.02  # step along a curve, in units of the box
 _SHORTEST = 1e-7
@@ -68,6 +71,12 @@ class DCurve:
     def static(self) -> bool:
         """Whether a real root passes the origin here (one root changes sides), rather than a pair the axis (two)."""
         return not self.omega.any()
+
+    def plot(self, **options: Any) -> Axes:
+        """Draw it; options and return value as in `d_curve_plot`."""
+        from flycontrol.delay.plots import d_curve_plot
+
+        return d_curve_plot(self, **options)
 
 
 def trace_boundary(family: Family, x: FloatArray, y: FloatArray, unstable: NDArray[np.int64]) -> tuple[DCurve, ...]:

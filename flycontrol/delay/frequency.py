@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from flycontrol.errors import InvalidParameterError
 
 if TYPE_CHECKING:
     from flycontrol.delay.convert import Operand
+    from flycontrol.delay.plots.style import AxesArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,6 +39,12 @@ class FrequencyResponse:
     def phase(self) -> FloatArray:
         """Continuous phase of L [rad], shape (k,), starting in (-pi, pi]."""
         return np.unwrap(np.angle(self.value))
+
+    def plot(self, **options: Any) -> AxesArray:
+        """Draw it; options and return value as in `bode_plot`."""
+        from flycontrol.delay.plots import bode_plot
+
+        return bode_plot(self, **options)
 
 
 def require_siso(system: DelayLTI) -> None:

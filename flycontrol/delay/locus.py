@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,6 +18,9 @@ from flycontrol.delay.kernels import continuation
 from flycontrol.delay.spectrum import Spectrum, rightmost_roots
 from flycontrol.delay.system import ComplexArray, DelayLTI, FloatArray
 from flycontrol.errors import InvalidParameterError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 __all__ = ["AxisCrossing", "Collision", "Entry", "RootLocus", "root_locus"]
 
@@ -50,6 +54,12 @@ class RootLocus:
     collisions: tuple[Collision, ...] = ()  #: double roots on the real axis, by parameter value
     entries: tuple[Entry, ...] = ()  #: branches that came from the far left
     status: str = "certified"  #: "certified", or what is not certain and where
+
+    def plot(self, **options: Any) -> Axes:
+        """Draw it; options and return value as in `root_locus_plot`."""
+        from flycontrol.delay.plots import root_locus_plot
+
+        return root_locus_plot(self, **options)
 
 
 @dataclass(slots=True, eq=False)

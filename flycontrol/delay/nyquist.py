@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,6 +18,8 @@ from flycontrol.delay.system import ComplexArray
 from flycontrol.errors import InvalidParameterError, NeutralSystemError
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
     from flycontrol.delay.convert import Operand
 
 _SHRINKINGS = 40
@@ -38,6 +40,12 @@ class NyquistResponse:
     contour: ComplexArray  #: s, from the real axis upwards [1/s], shape (k,)
     response: ComplexArray  #: L(s), shape (k,)
     status: str  #: "certified", or why there is no count
+
+    def plot(self, **options: Any) -> Axes:
+        """Draw it; options and return value as in `nyquist_plot`."""
+        from flycontrol.delay.plots import nyquist_plot
+
+        return nyquist_plot(self, **options)
 
 
 def nyquist_response(loop: Operand) -> NyquistResponse:
@@ -67,13 +75,14 @@ def nyquist_response(loop: Operand) -> NyquistResponse:
     if None in radii:
         count, status = None, "a pole on the imaginary axis is hidden from L, or a zero lies next to it"
     unstable = it.poles.unstable
+    contour, response = _sampled(joined([pieces, *_onward(it, corners[-1].imag)]))
     return NyquistResponse(
         count=count,
         open_loop_unstable=unstable,
         closed_loop_unstable=None if count is None else count + unstable,
         axis_poles=tuple(on_axis),
-        contour=_sampled(pieces)[0],
-        response=_sampled(pieces)[1],
+        contour=contour,
+        response=response,
         status=status,
     )
 
@@ -140,6 +149,12 @@ def _encirclements(pieces: Panels, direct: float) -> int | None:
     beyond = -np.angle(points[-1, -1] / (1.0 + direct))
     halves = -(along + beyond) / np.pi
     return round(halves) if abs(halves - np.round(halves)) < 1e-6 else None
+
+
+def _onward(it: FrequencyDomain, top: float) -> list[Panels]:
+    """Panels beyond the end of what a count needs [rad/s], so that the curve is seen to come to its limit."""
+    end = min(it.far.beyond(0.05), 50.0 * top)
+    return [it.panels(top, end)] if end > top and it.affordable(end) else []
 
 
 def _sampled(pieces: Panels) -> tuple[ComplexArray, ComplexArray]:

@@ -113,6 +113,16 @@ def pade(system: Operand, order: int, numdeg: int | None = None) -> DelayLTI:
     return replace(rational, input_names=exact.input_names, output_names=exact.output_names, name=exact.name)
 
 
+def pade_state(system: DelayLTI, order: int, state: FloatArray) -> FloatArray:
+    """State of `pade(system, order)` for a state (n,) that had been constant: its channels at rest, A xi + B z = 0."""
+    if system.n_delays == 0:
+        return state
+    unit = pade_matrices(order)
+    signals = np.linalg.solve(np.eye(system.n_delays) - system.D22, system.C2 @ state)
+    rest: FloatArray = -np.linalg.solve(unit.A, unit.B).astype(np.float64)
+    return np.concatenate([state, np.outer(signals, rest).ravel()])
+
+
 def _open_delays(system: DelayLTI) -> DelayLTI:
     """Inputs (u, w) and outputs (y, z) of the system with its delay channels cut open."""
     return delay_free(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,6 +17,7 @@ from flycontrol.errors import InvalidParameterError
 
 if TYPE_CHECKING:
     from flycontrol.delay.convert import Operand
+    from flycontrol.delay.plots.style import AxesArray
 
 _GAUSS_NODES = 10
 _REACH = 1.0  # longest panel times the fastest rate: the collocation error is then below 1e-12 of the state
@@ -60,6 +61,12 @@ class Response:
         """Largest |y| and its time [s]."""
         value, time = kernels.largest(self.starts, self.lengths, self.series[:, output])
         return float(value), float(time)
+
+    def plot(self, **options: Any) -> AxesArray:
+        """Draw it; options and return value as in `time_response_plot`."""
+        from flycontrol.delay.plots import time_response_plot
+
+        return time_response_plot(self, **options)
 
 
 def response(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from flycontrol.errors import InvalidParameterError
 
 if TYPE_CHECKING:
     from flycontrol.delay.convert import Operand
+    from flycontrol.delay.plots.style import AxesArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,6 +48,12 @@ class GangOfFour:
         return SensitivityPeaks(
             S=hinf_norm(self.S, tol), T=hinf_norm(self.T, tol), CS=hinf_norm(self.CS, tol), PS=hinf_norm(self.PS, tol)
         )
+
+    def plot(self, **options: Any) -> AxesArray:
+        """Draw it; options and return value as in `gangof4_plot`."""
+        from flycontrol.delay.plots import gangof4_plot
+
+        return gangof4_plot(self, **options)
 
 
 def gangof4(P: Operand, C: Operand) -> GangOfFour:

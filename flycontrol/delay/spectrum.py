@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +16,8 @@ from flycontrol.delay.system import ComplexArray, FloatArray, require_retarded
 from flycontrol.errors import InvalidParameterError
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
     from flycontrol.delay.convert import Operand
 
 _MOST_NODES = 400
@@ -39,6 +41,12 @@ class Spectrum:
     def abscissa(self) -> float:
         """Real part of the rightmost root [1/s]; -inf for a system without roots."""
         return float(self.roots[0].real) if len(self.roots) else -np.inf
+
+    def plot(self, **options: Any) -> Axes:
+        """Draw it; options and return value as in `pole_plot`."""
+        from flycontrol.delay.plots import pole_plot
+
+        return pole_plot(self, **options)
 
 
 def rightmost_roots(system: Operand, count: int = 10, *, certify: bool = True) -> Spectrum:

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from flycontrol.delay.convert import as_delay_lti
 from flycontrol.delay.history import StateHistory, past_signals
+from flycontrol.delay.pade import pade, pade_state
 from flycontrol.delay.panel_march import (
     March,
     constant_past,
@@ -29,6 +31,7 @@ from flycontrol.errors import InvalidParameterError
 
 if TYPE_CHECKING:
     from flycontrol.delay.convert import Operand
+    from flycontrol.delay.plots.style import AxesArray
 
 _POINTS = 500
 _SETTLED = 7.0  # time constants until exp(-7) = 1e-3 is left
@@ -51,6 +54,14 @@ class TimeResponse:
     states: FloatArray  #: (n, k), or (n, m, k) with a trace for each input
     exact: tuple[Response, ...]  #: the outputs as piecewise polynomials, one for each trace
     impulses: tuple[Impulses, ...] = ()  #: of an impulse response, one for each trace
+    #: the same experiment on the [n/n] Pade approximation, by order; None where a history stands against it
+    approximated: Callable[[int], TimeResponse] | None = None
+
+    def plot(self, **options: Any) -> AxesArray:
+        """Draw it; options and return value as in `time_response_plot`."""
+        from flycontrol.delay.plots import time_response_plot
+
+        return time_response_plot(self, **options)
 
 
 def step_response(system: Operand, timepts: ArrayLike | None = None, initial_state: ArrayLike = 0.0) -> TimeResponse:
@@ -73,7 +84,7 @@ def step_response(system: Operand, timepts: ArrayLike | None = None, initial_sta
     plant = as_delay_lti(system)
     t, x0 = _times(plant, timepts), _state(plant, initial_state)
     marches = [_march(plant, steady_inputs(unit, float(t[-1])), x0, t) for unit in np.eye(plant.n_inputs)]
-    return _traces(plant, t, marches)
+    return replace(_traces(plant, t, marches), approximated=partial(_approximated, step_response, plant, x0, (t,)))
 
 
 def impulse_response(system: Operand, timepts: ArrayLike | None = None) -> TimeResponse:
@@ -95,7 +106,8 @@ def impulse_response(system: Operand, timepts: ArrayLike | None = None) -> TimeR
         jumps, found = _impulse_jumps(plant, grid[0], column, float(t[-1]))
         marches.append(march_panels(plant, grid, past, u, jumps, x0))
         impulses.append(found)
-    return _traces(plant, t, marches, tuple(impulses))
+    found = _traces(plant, t, marches, tuple(impulses))
+    return replace(found, approximated=partial(_approximated, impulse_response, plant, None, (t,)))
 
 
 def forced_response(
@@ -127,15 +139,16 @@ def forced_response(
         If a delay feeds back into itself without passing a state.
     """
     plant = as_delay_lti(system)
+    x0 = _state(plant, initial_state)
     if isinstance(inputs, PiecewisePolynomial):
-        t = _times(plant, inputs.end if timepts is None else timepts)
-        return _single(plant, t, _march(plant, inputs, _state(plant, initial_state), t))
-    t = _times(plant, timepts)
-    if np.ndim(inputs) == 0:
-        signal = steady_inputs(np.full(plant.n_inputs, inputs, dtype=np.float64), float(t[-1]))
+        t, signal = _times(plant, inputs.end if timepts is None else timepts), inputs
     else:
-        signal = sampled(t, inputs, hold)
-    return _single(plant, t, _march(plant, signal, _state(plant, initial_state), t))
+        t = _times(plant, timepts)
+        steady = np.ndim(inputs) == 0
+        constant = np.full(plant.n_inputs, inputs, dtype=np.float64) if steady else np.zeros(0)
+        signal = steady_inputs(constant, float(t[-1])) if steady else sampled(t, inputs, hold)
+    found = _single(plant, t, _march(plant, signal, x0, t))
+    return replace(found, approximated=partial(_approximated, forced_response, plant, x0, (t, signal)))
 
 
 def initial_response(
@@ -170,7 +183,23 @@ def initial_response(
     t = _times(plant, timepts)
     start = initial_state if initial_state is not None else (0.0 if history is None else history(0.0))
     still = steady_inputs(np.zeros(plant.n_inputs), float(t[-1]))
-    return _single(plant, t, _march(plant, still, _state(plant, start), t, history, breaks))
+    x0 = _state(plant, start)
+    found = _single(plant, t, _march(plant, still, x0, t, history, breaks))
+    if history is not None:
+        return found
+    return replace(found, approximated=partial(_approximated, initial_response, plant, x0, (t,)))
+
+
+def _approximated(
+    respond: Callable[..., TimeResponse],
+    plant: DelayLTI,
+    state: FloatArray | None,
+    arguments: tuple[Any, ...],
+    order: int,
+) -> TimeResponse:
+    """The same experiment on the [n/n] Pade approximation; its states beyond those of the plant rest at first."""
+    start = {} if state is None else {"initial_state": pade_state(plant, order, state)}
+    return respond(pade(plant, order), *arguments, **start)
 
 
 def experiment_march(
