@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -13,12 +13,14 @@ from flycontrol.errors import InvalidInputError
 from flycontrol.identify.gains.kernels import normal as kernels
 from flycontrol.identify.gains.kernels.march import RULE
 from flycontrol.identify.gains.model import GainModel, Prior, Unknown
-from flycontrol.identify.gains.noise import Noise
+from flycontrol.identify.gains.noise import Noise, whitened
 from flycontrol.identify.gains.response import NAMES, Drive, Span, drive_of, evaluate, parameter_vector, span_of
 from flycontrol.model.trial import Pulse, TorqueTrace, Trial
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+#: What `response.evaluate` is: (p, active, drive, span, times, torque) -> yaw and N_fly / I, each with derivatives.
+Response = Callable[[FloatArray, IntArray, Drive, Span, FloatArray, bool], tuple[FloatArray, FloatArray | None]]
 _GAP = 1.5  #: steps of the nominal rate after which samples count as separate stretches
 _DELAY, _HEADING, _PADDLING_GAIN, _IMPULSE = (
     NAMES.index(name) for name in ("delay", "heading", "paddling_gain", "impulse")
@@ -47,10 +49,16 @@ class TrialPart:
     active: IntArray  #: (m,) indices of the unknown ones among `NAMES`
     places: IntArray  #: (m,) where they stand in the vector of unknowns
     grid: tuple[NDArray[np.intp], ...]  #: the same for a matrix
+    respond: Response = evaluate  #: exact, unless an approximation takes its place
 
     def products(self, x: FloatArray, noise: Noise) -> FloatArray:
         """R R^T (1 + m, 1 + m) of whitened residuals of yaw and, below, its derivatives."""
         yaw, drive = self.channels[0], self.drive
+        if self.respond is not evaluate:
+            rows = self.predicted(x)[0]
+            rows[0] -= yaw.values
+            W = whitened(rows, yaw.firsts, noise)
+            return W @ W.T
         return kernels.products(
             self.parameters(x), self.active, self.span, (drive.majors, drive.minors), drive.pieces,
             (yaw.times, yaw.values, yaw.firsts), (noise.pacf, noise.deviation), RULE,
@@ -70,7 +78,7 @@ class TrialPart:
         times = self.channels[0].times
         if wants_fly:
             times = np.union1d(times, self.channels[1].times)
-        yaw, fly = evaluate(p, active, self.drive, self.span, times, wants_fly)
+        yaw, fly = self.respond(p, active, self.drive, self.span, times, wants_fly)
         if fly is None:
             return [yaw]
         gain = p[_PADDLING_GAIN]
