@@ -157,7 +157,7 @@ class _Shooting:
         states = step.mapaccum(len(grid.which))(first, push, *extra)
         return ca.horzcat(first, states)
 
-    def _stepper(self, p: ca.MX, grid: _Grid) -> tuple[ca.Function, list[ca.MX]]:
+    def _stepper(self, p: ca.MX, grid: _Grid) -> tuple[ca.Function, list[ca.DM | ca.MX]]:
         """One step x, (drive, slope), ... -> x, and what it takes beside those at each step."""
         loop_parameters, count = _loop_parameters(p, self.saturated), len(grid.which)
         if self.saturated:
