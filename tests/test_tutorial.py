@@ -5,7 +5,11 @@ import io
 import re
 from pathlib import Path
 
+import matplotlib as mpl
+import matplotlib.pyplot as plt
 import pytest
+
+mpl.use("Agg")
 
 TUTORIAL = Path(__file__).resolve().parents[1] / "docs" / "tutorial.md"
 BLOCKS = re.findall(r"^```python\n(.*?)^```$", TUTORIAL.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
@@ -20,6 +24,7 @@ def printed():
         with contextlib.redirect_stdout(text):
             exec(compile(block, str(TUTORIAL), "exec"), names)
         texts.append(text.getvalue().splitlines())
+    plt.close("all")
     return texts
 
 
