@@ -23,6 +23,7 @@ FloatArray = NDArray[np.float64]
 Loss = Literal["linear", "huber"]
 _HUBER = 1.345  #: 95 % efficient for normal noise (Huber 1981)
 _CLOSE = 1e-9  #: Newton decrement in units of the noise's variance: 3e-5 standard errors from the minimum
+_REGULAR = 1e-10  #: of the scaled matrix: where K_D = 0 it and the delay have one derivative, and J^T J is singular
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -136,7 +137,7 @@ def minimise(
         H, g = at.matrix / (size * size[:, None]), at.gradient / size
         if not free.all():
             H, g = H[np.ix_(free, free)], g[free]
-        newton = _solved(H, g, 1e-13)
+        newton = _solved(H, g, _REGULAR)
         if g @ newton <= close * (scale or at.cost / freedom):
             return Minimum(x, at, True, ~free, step)
         while True:
@@ -150,9 +151,17 @@ def minimise(
             if damping > 1e12:
                 return Minimum(x, at, bool(g @ newton <= 1e-4 * (scale or at.cost / freedom)), ~free, step)
         expected = -(2 * at.gradient @ move + move @ at.matrix @ move)
-        damping *= 0.05 if at.cost - there.cost > 0.75 * expected else 0.5 if damping > 1e-12 else 1.0
+        gained = at.cost - there.cost
+        damping = _next_damping(damping, gained / expected if expected > 0 else 1.0)
         x, at = trial, there
     return Minimum(x, at, False, (x <= low) | (x >= high), most_steps)
+
+
+def _next_damping(damping: float, ratio: float) -> float:
+    """Less where the step gained what was expected, more where it overshot: J^T J misses curvature along a ridge."""
+    if ratio > 0.75:
+        return 0.05 * damping
+    return max(0.5 * damping, 1e-12) if ratio > 0.25 else max(4 * damping, 1e-6)
 
 
 def _solved(H: FloatArray, g: FloatArray, damping: float) -> FloatArray:
