@@ -12,16 +12,15 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-import scipy.special
 from numpy.typing import NDArray
 
 from flycontrol.errors import InvalidParameterError
+from flycontrol.identify.gains.intervals import doubtful_profiles, estimates
 from flycontrol.identify.gains.least_squares import Loss, Minimum, NormalEquations, WeightedProblem, minimise
 from flycontrol.identify.gains.model import GainModel, gain_model
 from flycontrol.identify.gains.noise import Noise, estimate, order_by_bic, white
 from flycontrol.identify.gains.problem import Channel, FitProblem, fit_problem
-from flycontrol.identify.gains.response import UNITS
-from flycontrol.identify.gains.result import Estimate, FitResult
+from flycontrol.identify.gains.result import FitResult
 from flycontrol.identify.gains.starts import starting_points
 from flycontrol.identify.gains.uncertainty import LocalUncertainty, local_uncertainty
 from flycontrol.model.trial import Trial
@@ -72,10 +71,16 @@ def fit_gains(
     minimum = minimise(weighted, start) if start is not None else _best_minimum(weighted)
     weighted, minimum = _with_noise(weighted, minimum, noise)
     uncertainty = local_uncertainty(weighted, minimum)
-    estimates = _estimates(problem, minimum, uncertainty, level)
+    bent = doubtful_profiles(weighted, minimum, uncertainty, level)
+    lower = next((found.lower for found in bent.values() if found.lower is not None), None)
+    if lower is not None:  # a ridge led further down than all searches
+        weighted, minimum = _with_noise(weighted, minimise(weighted, lower), noise)
+        uncertainty = local_uncertainty(weighted, minimum)
+        bent = doubtful_profiles(weighted, minimum, uncertainty, level)
     return FitResult(
-        problem=problem, weighted=weighted, minimum=minimum, uncertainty=uncertainty, estimates=estimates,
-        level=level, converged=minimum.converged, status=_status(minimum, uncertainty, problem),
+        problem=problem, weighted=weighted, minimum=minimum, uncertainty=uncertainty,
+        estimates=estimates(weighted, minimum, uncertainty, level, bent), level=level, converged=minimum.converged,
+        status=_status(minimum, uncertainty, problem),
     )  # fmt: skip
 
 
@@ -173,22 +178,6 @@ def _order(residuals: FloatArray, channel: Channel, kind: str | int) -> int:
     if kind == "white":
         return 0
     return order_by_bic(residuals, channel.firsts, _LARGEST_ORDER) if kind == "auto" else int(kind)
-
-
-def _estimates(
-    problem: FitProblem, minimum: Minimum, uncertainty: LocalUncertainty, level: float
-) -> tuple[Estimate, ...]:
-    errors = np.sqrt(np.diag(uncertainty.covariance))
-    width = scipy.special.stdtrit(uncertainty.freedom, 0.5 + level / 2) * errors
-    values = np.clip(minimum.x - uncertainty.bias, problem.low, problem.high)
-    return tuple(
-        Estimate(
-            name=problem.names[i], kind=problem.kinds[i], unit=UNITS[problem.kinds[i]], value=float(values[i]),
-            standard_error=float(errors[i]), low=float(values[i] - width[i]), high=float(values[i] + width[i]),
-            freedom=float(uncertainty.freedom[i]), bias=float(uncertainty.bias[i]), at_bound=bool(minimum.held[i]),
-        )
-        for i in range(len(problem.names))
-    )  # fmt: skip
 
 
 def _status(minimum: Minimum, uncertainty: LocalUncertainty, problem: FitProblem) -> str:

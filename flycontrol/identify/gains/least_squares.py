@@ -67,6 +67,12 @@ class WeightedProblem:
             rows[0] -= channel.values
         return [whitened(r, c.firsts, noise) for r, c, noise in zip(mine, part.channels, noises, strict=True)]
 
+    def cost(self, x: FloatArray) -> float:
+        """Cost at x (k,), without derivatives."""
+        losses = [self._robust(rows)[0] for channels in self.rows(x, derivatives=False) for rows in channels]
+        pulls = [((x[i] - prior.mean) / prior.deviation) ** 2 for i, prior in self.problem.priors]
+        return float(sum(losses) + sum(pulls))
+
     def normal_equations(self, x: FloatArray) -> NormalEquations:
         """Cost, gradient and matrix at x (k,)."""
         k = len(x)
@@ -152,7 +158,7 @@ def minimise(
                 return Minimum(x, at, bool(g @ newton <= 1e-4 * (scale or at.cost / freedom)), ~free, step)
         expected = -(2 * at.gradient @ move + move @ at.matrix @ move)
         gained = at.cost - there.cost
-        damping = _next_damping(damping, gained / expected if expected > 0 else 1.0)
+        damping = _next_damping(damping, float(gained / expected) if expected > 1e-9 * at.cost else 1.0)
         x, at = trial, there
     return Minimum(x, at, False, (x <= low) | (x >= high), most_steps)
 

@@ -11,6 +11,7 @@ special case of a straight ridge and a parabola.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -68,22 +69,46 @@ def profile(
     InvalidParameterError
         If no unknown has that name, or the level is not between 0 and 1.
     """
+    return profiles(weighted, minimum, uncertainty, [name], level)[name]
+
+
+def profiles(
+    weighted: WeightedProblem, minimum: Minimum, uncertainty: LocalUncertainty, names: Sequence[str], level: float
+) -> dict[str, Profile]:
+    """Profiles of several unknowns; where one leads to values that another has not reached, that one goes on there.
+
+    Parameters and exceptions as of `profile`.
+    """
+    if not 0 < level < 1:
+        raise InvalidParameterError(f"The level of intervals must lie between 0 and 1, got {level!r}.")
+    walks: dict[str, tuple[_Walk, _Walk]] = {}
+    for name in names:
+        i = _place(weighted, name)
+        t = float(scipy.special.stdtrit(uncertainty.freedom[i], 0.5 + level / 2))
+        walks[name] = (_Walk(weighted, minimum, i, t, -1).run(), _Walk(weighted, minimum, i, t, 1).run())
+    met = [point for pair in walks.values() for walk in pair for point in walk.points]
+    for pair in walks.values():
+        for walk in pair:
+            walk.join(met)
+    return {name: _profile(name, *pair) for name, pair in walks.items()}
+
+
+def _place(weighted: WeightedProblem, name: str) -> int:
     names = weighted.problem.names
     if name not in names:
         raise InvalidParameterError(f"No unknown is named {name!r}; there are {', '.join(names)}.")
-    if not 0 < level < 1:
-        raise InvalidParameterError(f"The level of intervals must lie between 0 and 1, got {level!r}.")
-    i = names.index(name)
-    t = float(scipy.special.stdtrit(uncertainty.freedom[i], 0.5 + level / 2))
-    walks = [_Walk(weighted, minimum, i, t, sign).run() for sign in (-1, 1)]
-    below, above = walks
-    points = [*reversed(below.points), (minimum.x, 0.0), *above.points]
-    ridge = np.array([x for x, _ in points])
+    return names.index(name)
+
+
+def _profile(name: str, below: _Walk, above: _Walk) -> Profile:
+    points = [*reversed(below.points), (below.origin, 0.0), *above.points]
+    ridge, i = np.array([x for x, _ in points]), above.i
+    reasons = [walk.open_because for walk in (below, above) if walk.open_because]
+    lower = next((walk.lower for walk in (below, above) if walk.lower is not None), None)
     return Profile(
-        name=name, unit=UNITS[weighted.problem.kinds[i]], values=ridge[:, i], deviance=np.array([d for _, d in points]),
-        ridge=ridge, threshold=t * t, low=below.end, high=above.end,
-        open_because="; ".join(walk.open_because for walk in walks if walk.open_because),
-        lower=next((walk.lower for walk in walks if walk.lower is not None), None),
+        name=name, unit=UNITS[above.weighted.problem.kinds[i]], values=ridge[:, i],
+        deviance=np.array([D for _, D in points]), ridge=ridge, threshold=above.t**2, low=below.end, high=above.end,
+        open_because="; ".join(reasons), lower=lower,
     )  # fmt: skip
 
 
@@ -106,7 +131,7 @@ class _Walk:
 
     def __init__(self, weighted: WeightedProblem, minimum: Minimum, i: int, t: float, sign: int) -> None:
         self.weighted, self.i, self.t, self.sign = weighted, i, t, sign
-        self.x, self.at, self.lowest = minimum.x, minimum.at, minimum.at.cost
+        self.x, self.at, self.lowest, self.origin = minimum.x, minimum.at, minimum.at.cost, minimum.x
         self.start = float(minimum.x[i])
         self.room = abs(float((weighted.problem.high if sign > 0 else weighted.problem.low)[i]) - self.start)
         self.direction, curvature = ridge_direction(self.at, i, self._free())
@@ -128,17 +153,29 @@ class _Walk:
             self._cross(*inside)
         return self
 
+    def join(self, met: Sequence[tuple[FloatArray, float]]) -> None:
+        """Go on from the outermost point below the threshold that another walk met beyond the end of this one."""
+        beyond = [(self.sign * (x[self.i] - self.end), x) for x, D in met if self.t**2 > D]
+        farthest, x = max(beyond, key=lambda it: it[0], default=(0.0, self.x))
+        if not (np.isfinite(self.end) and farthest > _ACCURATE * abs(self.end - self.start)):
+            return
+        distance = abs(x[self.i] - self.start)
+        self.x, self.direction = x, np.zeros(len(x))
+        found = self._reach(distance)
+        if found is not None:
+            self._advance(found, distance)
+            self.end = self.sign * np.inf
+            self._cross(1.3 * distance, np.inf)
+
     def _cross(self, step: float, outside: float) -> None:
         """Find where D crosses the threshold between the last point inside and `outside`, first tried at `step`."""
         for _ in range(_MOST_POINTS):
             distance = min(step, self.room)
-            if distance <= self.inside:  # at the bound, or no progress left
+            if distance <= self.inside * (1 + 1e-6):  # at the bound, or no progress left
                 break
             found = self._reach(distance)
             if found is None:  # the search does not follow so large a step
                 step = 0.5 * (self.inside + distance)
-                if step - self.inside < 1e-3 * max(self.inside, self.unit):
-                    break
                 continue
             z, slope = self._height(found)
             if self.lower is not None:

@@ -13,6 +13,7 @@ from flycontrol.identify.gains.least_squares import Minimum, WeightedProblem
 from flycontrol.identify.gains.model import Controller
 from flycontrol.identify.gains.noise import Noise
 from flycontrol.identify.gains.problem import FitProblem
+from flycontrol.identify.gains.profile import Profile, profile
 from flycontrol.identify.gains.response import UNITS
 from flycontrol.identify.gains.uncertainty import LocalUncertainty
 from flycontrol.model.yaw import YawLoop
@@ -100,6 +101,10 @@ class FitResult:
         return YawLoop.from_rates(
             b=self.value("damping"), kp=self.value("kp"), kd=self.value("kd"), delay=self.value("delay")
         )
+
+    def profile(self, name: str) -> Profile:
+        """The profile likelihood of an unknown, at the level of the intervals."""
+        return profile(self.weighted, self.minimum, self.uncertainty, name, self.level)
 
     def residuals(self) -> list[list[FloatArray]]:
         """Measured less predicted at the least-squares values, by trial, by channel (n,) [rad]."""

@@ -1,0 +1,106 @@
+"""Estimates with intervals: by the covariance where the likelihood is a parabola, by its profile where it is not."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import scipy.special
+from numpy.typing import NDArray
+
+from flycontrol.identify.gains.least_squares import Minimum, WeightedProblem, minimise
+from flycontrol.identify.gains.profile import Profile, profiles
+from flycontrol.identify.gains.response import UNITS
+from flycontrol.identify.gains.result import Estimate
+from flycontrol.identify.gains.uncertainty import LocalUncertainty
+
+FloatArray = NDArray[np.float64]
+_BENT = 0.1  #: relative departure of sqrt(D) from a straight line at the ends, above which profiles are computed
+_RIDGE_STEPS = 2  #: from the tangent to the ridge
+_MOVED = 0.1  #: of the half width, by which an end must move for the profile to replace the linear interval
+_LINEAR = ("heading", "initial_yaw", "initial_rate", "impulse")  #: in which yaw is linear, or nearly so
+
+
+def doubtful_profiles(
+    weighted: WeightedProblem, minimum: Minimum, uncertainty: LocalUncertainty, level: float
+) -> dict[str, Profile]:
+    """Profiles of all unknowns if the likelihood bends within linear intervals or an unknown lies at its bound."""
+    names = _doubtful(weighted, minimum, uncertainty, level) if minimum.converged else []
+    return profiles(weighted, minimum, uncertainty, names, level)
+
+
+def estimates(
+    weighted: WeightedProblem,
+    minimum: Minimum,
+    uncertainty: LocalUncertainty,
+    level: float,
+    bent: Mapping[str, Profile],
+) -> tuple[Estimate, ...]:
+    """Every unknown with its interval: linear, unless its profile among `bent` says otherwise."""
+    found = [_linear(weighted, minimum, uncertainty, level, i) for i in range(len(minimum.x))]
+    return tuple(_profiled(e, bent[e.name]) if e.name in bent and _differs(e, bent[e.name]) else e for e in found)
+
+
+def _linear(
+    weighted: WeightedProblem, minimum: Minimum, uncertainty: LocalUncertainty, level: float, i: int
+) -> Estimate:
+    problem = weighted.problem
+    error = float(np.sqrt(uncertainty.covariance[i, i]))
+    width = float(scipy.special.stdtrit(uncertainty.freedom[i], 0.5 + level / 2)) * error
+    value = float(np.clip(minimum.x[i] - uncertainty.bias[i], problem.low[i], problem.high[i]))
+    kind, blind = problem.kinds[i], bool((np.abs(uncertainty.unidentifiable[:, i]) > 0.1).any())
+    return Estimate(
+        name=problem.names[i], kind=kind, unit=UNITS[kind], value=value, standard_error=error,
+        low=value - width, high=value + width, freedom=float(uncertainty.freedom[i]),
+        bias=float(uncertainty.bias[i]), at_bound=bool(minimum.held[i]),
+        open_because="other unknowns make up for it without trace in these data" if blind else "",
+    )  # fmt: skip
+
+
+def _doubtful(weighted: WeightedProblem, minimum: Minimum, uncertainty: LocalUncertainty, level: float) -> list[str]:
+    """All unknowns whose intervals may be false: none if sqrt(D) is straight between the ends of linear intervals."""
+    problem = weighted.problem
+    if len(uncertainty.unidentifiable):
+        return []  # a valley without end: profiles would only walk along it
+    asked = [i for i, kind in enumerate(problem.kinds) if kind not in _LINEAR]
+    if minimum.held.any() or any(_bends(weighted, minimum, uncertainty, level, i) for i in asked):
+        return [problem.names[i] for i in (range(len(problem.names)) if len(problem.parts) == 1 else asked)]
+    return []
+
+
+def _bends(weighted: WeightedProblem, minimum: Minimum, uncertainty: LocalUncertainty, level: float, i: int) -> bool:
+    """Whether D differs from t^2 at an end of a linear interval, or the end is out of bounds.
+
+    First on the ridge's tangent, where D is larger than on the ridge if that itself bends; then near the ridge.
+    """
+    problem, C = weighted.problem, uncertainty.covariance
+    t = float(scipy.special.stdtrit(uncertainty.freedom[i], 0.5 + level / 2))
+    for sign in (-1, 1):
+        x = minimum.x + sign * t * C[:, i] / np.sqrt(C[i, i])
+        if ((x < problem.low) | (x > problem.high)).any():
+            return True
+        if _is_bent(weighted.cost(x) - minimum.at.cost, t):
+            ridge = minimise(weighted, x, most_steps=_RIDGE_STEPS, scale=1.0, fixed=i)
+            if _is_bent(ridge.at.cost - minimum.at.cost, t):
+                return True
+    return False
+
+
+def _is_bent(D: float, t: float) -> bool:
+    return abs(np.sqrt(max(D, 0.0)) / t - 1.0) > _BENT
+
+
+def _differs(estimate: Estimate, found: Profile) -> bool:
+    width = 0.5 * (estimate.high - estimate.low)
+    if not np.isfinite(width):
+        return True
+    centre = estimate.value + estimate.bias  # the linear interval around the same point as the profile
+    return bool(max(abs(found.low - (centre - width)), abs(found.high - (centre + width))) > _MOVED * width)
+
+
+def _profiled(estimate: Estimate, found: Profile) -> Estimate:
+    value = float(np.clip(estimate.value, found.low, found.high))
+    return replace(
+        estimate, value=value, low=found.low, high=found.high, method="profile", open_because=found.open_because
+    )
