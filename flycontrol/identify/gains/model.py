@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from numbers import Real
 from typing import Literal
 
 import numpy as np
@@ -87,7 +88,7 @@ class GainModel:
         if both:
             raise InvalidParameterError(f"{sorted(both)[0]} is both fixed and to be estimated; choose one.")
         for name, value in self.known.items():
-            if not np.isfinite(value):
+            if not (isinstance(value, Real) and np.isfinite(value)):  # float() of a CasADi symbol would be NaN
                 raise InvalidParameterError(f"{name} must be a finite number of {UNITS[name]}, got {value!r}.")
         if "delay" not in self.unknown and not self.known.get("delay", 0.0) > 0:
             raise InvalidParameterError("The delay must be estimated, or fixed at a value > 0 s.")
