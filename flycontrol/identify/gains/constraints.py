@@ -89,7 +89,7 @@ def compiled(constraint: Constraint, problem: FitProblem) -> ca.Function:
         If the expression does not depend on any unknown, or is no expression.
     """
     x = ca.SX.sym("x", len(problem.names))
-    p: dict[str, Any] = {name: 0.0 for name in ("kp", "kd", "ki", "damping")}
+    p: dict[str, Any] = dict.fromkeys(("kp", "kd", "ki", "damping"), 0.0)
     p |= {name: float(value) for name, value in problem.model.known.items()}
     p |= {name: x[i] for i, name in enumerate(problem.names)}
     try:
