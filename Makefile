@@ -2,6 +2,7 @@
 # make reports  regenerate every committed example under reports/; flights where their data are
 # make test     set up .venv and run the fast tests
 # make test-all one pytest run, the slow tests included
+# make fuzz     100,000 malformed files for each reader of text, 20,000 for each of binary files; half an hour or more
 # make check    lint, format, types, layers, spelling
 # make bench    speed against named peers, as ratios in one run
 
@@ -14,7 +15,7 @@ export NUMBA_CACHE_DIR := $(CURDIR)/.cache/numba
 export MPLCONFIGDIR := $(CURDIR)/.cache/matplotlib
 export PIP_CACHE_DIR := $(CURDIR)/.cache/pip
 
-.PHONY: report reports test test-all check format bench clean
+.PHONY: report reports test test-all fuzz check format bench clean
 
 report: $(VENV)/run.stamp
 	$(BIN)/flycontrol report --out reports/yaw
@@ -34,6 +35,9 @@ test: $(VENV)/test.stamp
 
 test-all: $(VENV)/test.stamp
 	$(BIN)/python -m pytest -m "slow or not slow"
+
+fuzz: $(VENV)/test.stamp
+	$(BIN)/python tests/io/fuzz_campaign.py
 
 check: $(VENV)/check.stamp
 	$(BIN)/ruff check .

@@ -1,5 +1,7 @@
 """The errors that flycontrol raises on purpose. Each message says what was required, what arrived, and what to do."""
 
+LONGEST_SENTENCE = 1000  #: characters that a refusal needs at most
+
 
 class FlycontrolError(Exception):
     """Base of every error with a sentence for the user; the command line prints it and exits with status 2."""
@@ -10,7 +12,16 @@ class InvalidParameterError(FlycontrolError, ValueError):
 
 
 class InvalidInputError(FlycontrolError, ValueError):
-    """A file, a mapping or a recording that cannot be used as it is."""
+    """A file, a mapping or a recording that cannot be used as it is.
+
+    Its sentence quotes what strangers wrote: it is kept to one printable line of ordinary length.
+    """
+
+    def __init__(self, sentence: str) -> None:
+        text = (
+            sentence if sentence.isprintable() else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in sentence)
+        )
+        super().__init__(text if len(text) <= LONGEST_SENTENCE else f"{text[:700]} ... {text[-200:]}")
 
 
 class OutputError(FlycontrolError, OSError):

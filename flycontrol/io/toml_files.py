@@ -62,6 +62,8 @@ def parse_toml(file: TextFile) -> TomlFile:
         return TomlFile(file, tomllib.loads(file.text))
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise InvalidInputError(f"{file.name} is not valid TOML: {error}.") from error
+    except ValueError as error:  # Python converts no integer of thousands of digits
+        raise InvalidInputError(f"{file.name} holds a number of thousands of digits; write it shorter.") from error
 
 
 def structured(model: type[Model], data: dict[str, Any], toml: TomlFile, within: str = "") -> Model:

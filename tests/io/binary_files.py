@@ -85,7 +85,7 @@ def _write_groups(group, variables):
 def write_netcdf3(path, variables, units=(), **attributes):
     with scipy.io.netcdf_file(path, "w") as file:
         for name, value in variables.items():
-            array = np.asarray(value, dtype=np.float64)
+            array = np.asarray(value).astype(np.float64, casting="same_kind")
             for axis, length in enumerate(array.shape):
                 file.createDimension(f"{name}_{axis}", length)
             variable = file.createVariable(name, "d", tuple(f"{name}_{axis}" for axis in range(array.ndim)))

@@ -80,6 +80,8 @@ def texts(value: NDArray | str) -> list[str]:
 
 def series(values: FloatArray, row: int | None, column: int | None) -> FloatArray:
     """Return a row or column of a two-dimensional array, counted from 0, or a vector whichever way it lies."""
+    if values.size == 0:
+        raise InvalidInputError("is empty")
     if row is None and column is None:
         flat = np.squeeze(values) if values.size != 1 else values.reshape(-1)
         if flat.ndim != 1:
