@@ -1,7 +1,10 @@
-"""flycontrol's side of the two jobs, from the same plain values that the peers get."""
+"""flycontrol's side of the jobs, from the same plain values that the peers get."""
 
 import numpy as np
 
+from flycontrol.delay.certificate import stability_certificate
+from flycontrol.delay.characteristic import CharacteristicBlocks
+from flycontrol.delay.chart import Axis, stability_chart
 from flycontrol.delay.response import response
 from flycontrol.delay.spectrum import rightmost_roots
 from flycontrol.delay.system import delay_lti
@@ -20,5 +23,24 @@ def recover(problem, system=None, times=None):
     return pushed(times)[0]
 
 
-def roots(loop, count):
-    return rightmost_roots(closed_loop(loop), count).roots
+def roots(loop, count, *, certify):
+    return rightmost_roots(closed_loop(loop), count, certify=certify)
+
+
+def proof(loop, order):
+    return stability_certificate(closed_loop(loop), order)
+
+
+def chart(problem, system_at):
+    """Whether the loop is stable at each gain, row by row in kd."""
+    kp, kd = (Axis(name, unit, problem[name]) for name, unit in (("kp", "1/s^2"), ("kd", "1/s")))
+    return stability_chart(system_at(problem["b"], problem["T"]), kp, kd).stable.ravel()
+
+
+def as_systems(b, T):
+    return lambda kp, kd: closed_loop({"b": b, "kp": kp, "kd": kd, "T": T})
+
+
+def as_blocks(b, T):
+    A, B2, D22, tau = np.array([[0.0, 1.0], [0.0, -b]]), np.array([[0.0], [-1.0]]), np.zeros((1, 1)), np.array([T])
+    return lambda kp, kd: CharacteristicBlocks(A, B2, np.array([[kp, kd]]), D22, tau)

@@ -40,3 +40,12 @@ def roots(name):
     }[name]
     exact = [reference.root_near(loop, guess) for guess in guesses]
     return {"loop": loop, "roots": [[z.real, z.imag] for z in exact], "box": [-100.0, 10.0, 0.0, 300.0]}
+
+
+@cache
+def chart():
+    """20 x 20 gains over the nominal plant, row by row in kd: is the loop stable, by the closed form?"""
+    b, T = NOMINAL["b"], NOMINAL["T"]
+    kp, kd = ([low + (high - low) * k / 19 for k in range(20)] for low, high in ((-500.0, 12000.0), (-90.0, 200.0)))
+    largest = [reference.largest_stable_delay(b, x, y) for y in kd for x in kp]
+    return {"b": b, "T": T, "kp": kp, "kd": kd, "stable": [limit > T for limit in largest]}

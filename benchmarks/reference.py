@@ -3,6 +3,7 @@
 Response: between breakpoints (multiples of the delay, and the pulse's end shifted by them) the recovery is analytic,
 and its Taylor coefficients about the left end follow from those of the segment one delay earlier: no Runge-Kutta, no
 collocation, no matrix exponential, no interpolation. Roots: mpmath's secant iteration on the characteristic equation.
+Stability: the largest stable delay in closed form, from the loop's one gain crossover.
 """
 
 from bisect import bisect_right
@@ -70,3 +71,13 @@ def root_near(loop, guess):
     return complex(
         mpmath.findroot(lambda s: s * s + b * s + (kp + kd * s) * mpmath.exp(-s * T), mpmath.mpmathify(guess))
     )
+
+
+def largest_stable_delay(b, kp, kd):
+    """T up to which s^2 + b s + (kp + kd s) exp(-s T) has all roots left of the axis; 0 if it has none there."""
+    b, kp, kd = mpf(b), mpf(kp), mpf(kd)
+    if not (kp > 0 and b + kd > 0):
+        return mpf(0)
+    fall = kd**2 - b**2
+    crossover = mpmath.sqrt((fall + mpmath.sqrt(fall**2 + 4 * kp**2)) / 2)
+    return (mpmath.atan(kd * crossover / kp) + mpmath.atan(b / crossover)) / crossover

@@ -2,7 +2,7 @@
 
 from dataclasses import asdict, dataclass
 
-LEVELS = {"deg": (1e-1, 1e-3, 1e-6, 1e-9), "relative": (1e-6, 1e-10)}
+LEVELS = {"deg": (1e-1, 1e-3, 1e-6, 1e-9), "relative": (1e-6, 1e-10), "wrong verdicts": (0,)}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -65,7 +65,7 @@ def _cells(row):
         return [row.job, row.tool, f"not run: {row.not_run}", "", "", "", "", ""]
     setting = ": ".join(part for part in (row.use, row.setting) if part)
     cpu = f" (CPU {_time(row.cpu_s)})" if row.cpu_s is not None else ""
-    error = f"{row.error:.1e} {row.unit}" if row.error is not None else ""
+    error = f"{row.error:.2g} {row.unit}" if row.error is not None else ""
     ratio = f"{row.ratio:.3g}, {row.ratio_of_best:.3g}" if row.ratio else ""
     return [row.job, row.tool, setting, _time(row.setup_s), _time(row.run_s) + cpu, _time(row.best_s), error, ratio]
 

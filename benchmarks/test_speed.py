@@ -25,7 +25,7 @@ US = f"flycontrol {version('flycontrol')}"
 # what a peer's most accurate setting reaches when it is used well: a larger error means that the bench wrongs the peer
 STATED = {
     "jitcdde_response": 1e-8, "control_response": 5e-3, "scipy_response": 1e-9, "ddeint_response": 1.0,
-    "control_roots": 1e-10, "tdcpy_roots": 1e-9, "qpmr_roots": 1e-10,
+    "control_roots": 1e-10, "tdcpy_roots": 1e-9, "qpmr_roots": 1e-10, "control_chart": 1, "tdcpy_chart": 1,
 }  # fmt: skip
 
 
@@ -76,20 +76,83 @@ def test_the_response_of_one_recovery_is_exact_to_a_billionth_of_a_degree(benchm
     assert error < 1e-9
 
 
+def own_row(job, setting, timing, **more):
+    return Row(job=job, tool=US, setting=setting, run_s=timing["run_s"], best_s=timing["best_s"], **more)
+
+
 @pytest.mark.benchmark(disable_gc=True, warmup=True)
 @pytest.mark.parametrize("name", ["benchmark loop", "nominal loop"])
 def test_rightmost_roots_are_exact_to_twelve_digits(benchmark, rows, tmp_path, name):
     problem = problems.roots(name)
-    found = benchmark(loops.roots, problem["loop"], 3)
-    error = stopwatch.root_error(problem, found)
+    job = f"rightmost roots, {name}"
+    found = benchmark(loops.roots, problem["loop"], 3, certify=False)
+    error = stopwatch.root_error(problem, found.roots)
     ours = Row(
-        job=f"rightmost roots, {name}", tool=US, setting="3 roots, error of each estimated",
+        job=job, tool=US, setting="3 roots, error of each estimated",
         run_s=benchmark.stats.stats.median, best_s=benchmark.stats.stats.min, error=error, unit="relative",
     )  # fmt: skip
+    certified = loops.roots(problem["loop"], 3, certify=True)
+    timing = stopwatch.timed(lambda: loops.roots(problem["loop"], 3, certify=True))
+    error_certified = stopwatch.root_error(problem, certified.roots)
     rows.append(ours)
+    rows.append(
+        own_row(
+            job,
+            "and certified: no other root right of a line",
+            timing,
+            error=error_certified,
+            unit="relative",
+            ratio=timing["run_s"] / ours.run_s,
+            ratio_of_best=timing["best_s"] / ours.best_s,
+        )
+    )
     for peer in ("control_roots", "tdcpy_roots", "qpmr_roots"):
         rows.extend(run_peer(peer, problem, ours, tmp_path))
-    assert error < 1e-12
+    assert max(error, error_certified) < 1e-12
+    assert certified.status == "certified"
+
+
+@pytest.mark.benchmark(disable_gc=True, warmup=True)
+def test_the_stability_chart_of_400_gains_has_the_verdicts_of_the_closed_form(benchmark, rows, tmp_path):
+    problem, job = problems.chart(), "stability chart, 400 points"
+    wrong = stopwatch.wrong_verdicts(problem, benchmark(loops.chart, problem, loops.as_systems))
+    ours = Row(
+        job=job, tool=US, setting="a DelayLTI a point", error=wrong, unit="wrong verdicts",
+        run_s=benchmark.stats.stats.median, best_s=benchmark.stats.stats.min,
+    )  # fmt: skip
+    wrong_by_blocks = stopwatch.wrong_verdicts(problem, loops.chart(problem, loops.as_blocks))
+    timing = stopwatch.timed(lambda: loops.chart(problem, loops.as_blocks))
+    rows.append(ours)
+    rows.append(
+        own_row(
+            job,
+            "bare blocks a point",
+            timing,
+            error=wrong_by_blocks,
+            unit="wrong verdicts",
+            ratio=timing["run_s"] / ours.run_s,
+            ratio_of_best=timing["best_s"] / ours.best_s,
+        )
+    )
+    for peer in ("control_chart", "tdcpy_chart"):
+        rows.extend(run_peer(peer, problem, ours, tmp_path))
+    assert wrong == wrong_by_blocks == 0
+    assert 50 < sum(problem["stable"]) < 350
+
+
+@pytest.mark.benchmark(disable_gc=True, warmup=True)
+@pytest.mark.parametrize("order", [1, 3])
+def test_a_lyapunov_krasovskii_functional_proves_the_benchmark_loop_stable(benchmark, rows, order):
+    proof = benchmark(loops.proof, problems.BENCHMARK, order)
+    stats = benchmark.stats.stats
+    rows.append(
+        own_row(
+            "proof of stability, benchmark loop",
+            f"order {order}, matrices checked afterwards",
+            {"run_s": stats.median, "best_s": stats.min},
+        )
+    )
+    assert proof.proved
 
 
 class Command:

@@ -11,14 +11,14 @@ from importlib.metadata import version
 MISSED = 1e-3  # relative distance beyond which a root counts as not found
 
 
-def timed(call, budget=0.3):
-    """Median and least time of a call [s], without the garbage collector, over at least 9 repetitions."""
-    for _ in range(3):
+def timed(call, budget=0.3, fewest=9):
+    """Median and least time of a call [s], without the garbage collector, over at least `fewest` repetitions."""
+    for _ in range(fewest // 3):
         call()
     gc.collect()
     gc.disable()
     times, stop = [], time.perf_counter() + budget
-    while len(times) < 9 or (time.perf_counter() < stop and len(times) < 2000):
+    while len(times) < fewest or (time.perf_counter() < stop and len(times) < 2000):
         start = time.perf_counter()
         call()
         times.append(time.perf_counter() - start)
@@ -39,6 +39,11 @@ def root_error(problem, found):
         distance = min((abs(w - z) / abs(z) for w in found), default=math.inf)
         worst = max(worst, distance if distance < MISSED else math.inf)
     return worst
+
+
+def wrong_verdicts(problem, stable):
+    """At how many points of a chart, row by row, the verdict is not that of the reference."""
+    return sum(bool(x) != y for x, y in zip(stable, problem["stable"], strict=True))
 
 
 def main(tool, measure):

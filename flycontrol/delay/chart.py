@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from flycontrol.delay.count import counts_right_of, stacked
+from flycontrol.delay.count import numbers_right_of, stacked
 from flycontrol.delay.dcurve import DCurve, trace_boundary
 from flycontrol.delay.family import Family, Member, as_system
 from flycontrol.delay.kernels import decay
@@ -116,10 +116,9 @@ def stability_chart(
     done = len(y.values)
     rows: list[list[Member]] = []
     unstable = np.empty((len(y.values), len(x.values)), dtype=np.int64)
-    for i, v in enumerate(y.values):
-        rows.append([family.member(np.array([u, v])) for u in x.values])
-        counted = counts_right_of(rows[-1], np.zeros(len(x.values)))
-        unstable[i] = [-1 if count.roots is None else count.roots for count in counted]
+    for i, v in enumerate(y.values.tolist()):
+        rows.append([family.at(u, v) for u in x.values.tolist()])
+        unstable[i] = np.maximum(numbers_right_of(rows[-1], np.zeros(len(x.values))).roots, -1)
         progress(i + 1, parts, "unstable roots")
     rates = margin = boundary = None
     if "decay_rate" in quantities:

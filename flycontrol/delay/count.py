@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flycontrol.delay.characteristic import CharacteristicBlocks
 from flycontrol.delay.convert import as_delay_lti
@@ -57,13 +58,36 @@ def counts_right_of(
     systems: Sequence[DelayLTI | CharacteristicBlocks], lines: Sequence[float] | FloatArray
 ) -> list[RootCount]:
     """`count_right_of` for each of many systems and its line [1/s]; those in a row with equal shapes share one call."""
-    found: list[RootCount] = []
-    while len(found) < len(systems):
-        first = len(found)
-        last = first
+    counted = numbers_right_of(systems, lines)
+    return [
+        RootCount(line=float(line), roots=r if r >= 0 else None, steps=k, status=STATUS.get(r, "certified"))
+        for line, r, k in zip(lines, counted.roots.tolist(), counted.steps.tolist(), strict=True)
+    ]
+
+
+class RootNumbers(NamedTuple):
+    """Counts of k systems, bare."""
+
+    roots: NDArray[np.int64]  #: roots right of each line, or a key of `STATUS`, shape (k,)
+    steps: NDArray[np.int64]  #: evaluations of the characteristic matrix, shape (k,)
+
+
+def numbers_right_of(
+    systems: Sequence[DelayLTI | CharacteristicBlocks], lines: Sequence[float] | FloatArray
+) -> RootNumbers:
+    """`counts_right_of` where thousands are counted."""
+    found = RootNumbers(np.zeros(len(systems), np.int64), np.zeros(len(systems), np.int64))
+    first = 0
+    while first < len(systems):
+        last = first + 1
         while last < len(systems) and _shape(systems[last]) == _shape(systems[first]):
             last += 1
-        found += _counted(systems[first:last], np.array(lines[first:last], dtype=np.float64))
+        run = slice(first, last)
+        if len(systems[first].A) > 0:
+            A, B2, C2, D22, tau = stacked(systems[run])
+            at = np.array(lines[run], dtype=np.float64)
+            found.roots[run], found.steps[run] = winding.count_each(A, B2, C2, D22, tau, at, MOST_STEPS)
+        first = last
     return found
 
 
@@ -75,16 +99,3 @@ def stacked(systems: Sequence[DelayLTI | CharacteristicBlocks]) -> Characteristi
     """The blocks of k systems of equal shapes, as copies with a leading axis (k, ...)."""
     names = CharacteristicBlocks._fields
     return CharacteristicBlocks(*[np.array([getattr(s, name) for s in systems], dtype=np.float64) for name in names])
-
-
-def _counted(systems: Sequence[DelayLTI | CharacteristicBlocks], lines: FloatArray) -> list[RootCount]:
-    if len(systems[0].A) == 0:
-        return [RootCount(line=float(line), roots=0, steps=0, status="certified") for line in lines]
-    A, B2, C2, D22, tau = stacked(systems)
-    roots, steps = winding.count_each(A, B2, C2, D22, tau, lines, MOST_STEPS)
-    return [
-        RootCount(
-            line=float(line), roots=int(r) if r >= 0 else None, steps=int(k), status=STATUS.get(int(r), "certified")
-        )
-        for line, r, k in zip(lines, roots, steps, strict=True)
-    ]

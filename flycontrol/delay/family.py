@@ -60,10 +60,11 @@ class Family:
         if place not in self._recent:
             if len(self._recent) > 8:
                 self._recent.clear()
-            self._recent[place] = self._checked(place)
+            self._recent[place] = self.at(*place)
         return self._recent[place]
 
-    def _checked(self, place: tuple[float, ...]) -> Member:
+    def at(self, *place: float) -> Member:
+        """`member` at a point that will not be asked for again soon."""
         try:
             member = self._system_at(*place)
             if isinstance(member, CharacteristicBlocks) and not self._fits(member):
@@ -75,7 +76,7 @@ class Family:
             ) from refusal
         if not isinstance(member, Member):
             raise InvalidParameterError(f"A family must return a DelayLTI, got {member!r} at {_written(place)}.")
-        if member.D22.any():
+        if np.count_nonzero(member.D22):
             try:
                 require_retarded(as_system(member))
             except NeutralSystemError as refusal:
@@ -83,7 +84,7 @@ class Family:
         return member
 
     def _fits(self, blocks: CharacteristicBlocks) -> bool:
-        return blocks.shapes == self._shapes and bool((blocks.tau > 0).all())
+        return blocks.shapes == self._shapes and all(t > 0 for t in blocks.tau.tolist())
 
     def system(self, point: FloatArray) -> DelayLTI:
         """The member at a point (p,), checked."""

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
+_BLOCKS = ("A", "B1", "B2", "C1", "C2", "D11", "D12", "D21", "D22", "tau")
+
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class DelayLTI:
@@ -52,26 +54,29 @@ class DelayLTI:
     name: str = ""
 
     def __post_init__(self) -> None:
-        n, m, p, q = len(self.A), self.B1.shape[-1], len(self.C1), len(self.tau)
-        shapes = {
-            "A": (n, n), "B1": (n, m), "B2": (n, q), "C1": (p, n), "C2": (q, n),
-            "D11": (p, m), "D12": (p, q), "D21": (q, m), "D22": (q, q), "tau": (q,),
-        }  # fmt: skip
-        blocks: list[FloatArray] = [getattr(self, name) for name in shapes]
-        for name, block, shape in zip(shapes, blocks, shapes.values(), strict=True):
-            if block.shape != shape:
-                raise InvalidParameterError(
-                    f"DelayLTI.{name} must have shape {shape} to fit A (n = {n}), B1 (m = {m}), C1 (p = {p}) "
-                    f"and tau (q = {q}), got {block.shape}."
-                )
+        blocks = (
+            self.A, self.B1, self.B2, self.C1, self.C2, self.D11, self.D12, self.D21, self.D22, self.tau
+        )  # fmt: skip
+        self._refuse_misfits([block.shape for block in blocks])
+        for block in blocks:
             block.setflags(write=False)
         if not np.isfinite(np.concatenate(blocks, axis=None)).all():  # one test for all: ten take longer than the rest
-            name = next(name for name, block in zip(shapes, blocks, strict=True) if not np.isfinite(block).all())
+            name = next(name for name, block in zip(_BLOCKS, blocks, strict=True) if not np.isfinite(block).all())
             raise InvalidParameterError(f"DelayLTI.{name} must be finite, got {getattr(self, name).tolist()!r}.")
         if not all(t > 0 for t in self.tau.tolist()):
             raise InvalidParameterError(f"DelayLTI.tau must be > 0 s, got {self.tau.tolist()!r}.")
-        _check_names("input_names", self.input_names, m)
-        _check_names("output_names", self.output_names, p)
+        _check_names("input_names", self.input_names, self.n_inputs)
+        _check_names("output_names", self.output_names, self.n_outputs)
+
+    def _refuse_misfits(self, given: list[tuple[int, ...]]) -> None:
+        n, m, p, q = len(self.A), self.B1.shape[-1], len(self.C1), len(self.tau)
+        wanted = [(n, n), (n, m), (n, q), (p, n), (q, n), (p, m), (p, q), (q, m), (q, q), (q,)]
+        if given != wanted:
+            i = next(i for i in range(len(wanted)) if given[i] != wanted[i])
+            raise InvalidParameterError(
+                f"DelayLTI.{_BLOCKS[i]} must have shape {wanted[i]} to fit A (n = {n}), B1 (m = {m}), C1 (p = {p}) "
+                f"and tau (q = {q}), got {given[i]}."
+            )
 
     @property
     def n_states(self) -> int:
@@ -188,6 +193,8 @@ class DelayLTI:
 
 
 def _check_names(field: str, names: tuple[str, ...], many: int) -> None:
+    if names == ():
+        return
     fits = isinstance(names, tuple) and all(isinstance(name, str) and name for name in names)
     if not (fits and len(names) in (0, many) and len(set(names)) == len(names)):
         raise InvalidParameterError(
@@ -273,7 +280,7 @@ def characteristic_matrix(system: DelayLTI, s: ArrayLike) -> ComplexArray:
 
 def is_retarded(system: DelayLTI) -> bool:
     """Whether no path leads from a delay back into itself without passing a state (D22 structurally nilpotent)."""
-    if not system.D22.any():
+    if not np.count_nonzero(system.D22):
         return True
     pattern = (system.D22 != 0).astype(np.float64)
     return not np.linalg.matrix_power(pattern, system.n_delays).any()
