@@ -37,7 +37,8 @@ def report(
         typer.Option(metavar="FILE", help="Fly parameters in TOML, or a shipped name; left out: the published fly."),
     ] = None,
     recording: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="A real flight to compare with, as a text table.")
+        Path | None,
+        typer.Option(metavar="FILE", help="A real flight: a text table, or a MATLAB, HDF5, netCDF or Parquet file."),
     ] = None,
     mapping: Annotated[
         str | None,

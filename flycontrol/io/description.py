@@ -3,14 +3,24 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flycontrol.errors import InvalidInputError
-from flycontrol.io.formats import TEXT_FORMATS, TextFormat
+from flycontrol.io.binary.reader import shared_reader
+from flycontrol.io.binary.request import Found, Request
+from flycontrol.io.formats import (
+    TEXT_FORMATS,
+    BinaryFile,
+    BinaryFormat,
+    FileFormat,
+    TextFormat,
+    binary_file,
+    sniffed_format,
+)
 from flycontrol.io.mapping import known_mapping, shipped_mappings
 from flycontrol.io.places import Orientation
 from flycontrol.io.recordings import read_recording
@@ -33,36 +43,52 @@ class ChannelSummary:
     not_numbers: int  #: samples that are no finite numbers
     counts_up: bool  #: by one: frame numbers
     increases_evenly: bool  #: times, perhaps
+    shape: str = ""  #: of a variable with rows and columns
+    unit: str = ""  #: as the file states it
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FileSummary:
-    """Layout of a text table as it looks, and its channels."""
+    """Layout of a file as it looks, and its channels."""
 
     name: str
-    format: TextFormat
+    format: FileFormat
     orientation: Orientation
     channels: tuple[ChannelSummary, ...]
 
 
 def describe_columns(path: Path | str) -> FileSummary:
-    """Find out how a text table is laid out and what its rows or columns hold.
+    """Find out how a file is laid out and what its rows, columns or variables hold.
 
     Parameters
     ----------
     path
-        A text table; channels are taken to be rows where there are over three times as many fields as lines.
+        A text table, whose channels are taken to be rows where there are over three times as many fields as lines; or a
+        MATLAB, HDF5, netCDF or Parquet file, known by its first bytes.
 
     Raises
     ------
     InvalidInputError
         If the file cannot be read, or is no table of numbers.
     """
+    form = sniffed_format(Path(path))
+    return _described_table(path) if form is None else _described_variables(binary_file(Path(path), form), form)
+
+
+def _described_table(path: Path | str) -> FileSummary:
     file = read_text_file(Path(path))
     form, lines = _layout(file)
     table = text_table(file, lines, _orientation(lines))
     channels = tuple(_summary(table, index) for index in range(len(table.numbers)))
     return FileSummary(name=file.name, format=form, orientation=table.orientation, channels=channels)
+
+
+def _described_variables(file: BinaryFile, form: BinaryFormat) -> FileSummary:
+    request = Request(path=str(file.path.absolute()), name=file.name, layout=file.layout, form=form, summary=True)
+    found = shared_reader().read(request).groups
+    channels = tuple(_variable_summary(index, name, values[0]) for index, (name, values) in enumerate(found))
+    orientation = "columns" if form == "parquet" else "variables"
+    return FileSummary(name=file.name, format=form, orientation=orientation, channels=channels)
 
 
 def fitting_mappings(path: Path | str) -> tuple[str, ...]:
@@ -75,15 +101,18 @@ def suggest_mapping(path: Path | str) -> str:
     summary = describe_columns(path)
     kind = summary.orientation.removesuffix("s")
     lines = [_line(kind, channel) for channel in summary.channels]
+    layout = f'format = "{summary.format}"'
+    if summary.orientation != "variables":
+        layout += f'\nchannels = "{summary.orientation}"'
+    if summary.format in TEXT_FORMATS:
+        layout += f"\ncount = {len(summary.channels)}"
     counter = next((channel for channel in summary.channels if channel.counts_up), None)
     time = next((channel for channel in summary.channels if channel.increases_evenly and not channel.counts_up), None)
     return _TEMPLATE.format(
         file=_printable(Path(summary.name).name),
         name=json.dumps(Path(summary.name).stem[:100]),
         channels="\n".join(lines),
-        format=summary.format,
-        orientation=summary.orientation,
-        count=len(summary.channels),
+        layout=layout,
         clock=_clock(kind, counter, time),
         kind=kind,
     )
@@ -113,16 +142,28 @@ def _orientation(lines: list[Line]) -> Orientation:
 
 
 def _summary(table: TextTable, index: int) -> ChannelSummary:
-    samples = table.numbers[index]
+    name = table.names[index] if table.names else ""
+    return _channel_summary(index, name, table.numbers[index], table.text(index, 0))
+
+
+def _variable_summary(index: int, name: str, found: Found) -> ChannelSummary:
+    """Summarise the numbers of a variable, or say why it has none."""
+    if found.numbers is None:
+        return _channel_summary(index, name, np.empty(0), found.texts[0])
+    first = f"{found.numbers[0]:.10g}" if found.numbers.size else "none"
+    return replace(_channel_summary(index, name, found.numbers, first), shape=found.texts[0], unit=found.unit)
+
+
+def _channel_summary(index: int, name: str, samples: FloatArray, first: str) -> ChannelSummary:
     numbers = samples[np.isfinite(samples)]
     with np.errstate(over="ignore", invalid="ignore"):  # infinities are counted among what is no number
         steps = np.diff(samples)
     even = steps.size and bool(np.all(steps > 0) and steps.max() <= 1.02 * steps.min())
     return ChannelSummary(
         index=index,
-        name=table.names[index] if table.names else "",
+        name=name,
         count=len(samples),
-        first=table.text(index, 0),
+        first=first,
         smallest=float(numbers.min()) if numbers.size else float("nan"),
         largest=float(numbers.max()) if numbers.size else float("nan"),
         not_numbers=len(samples) - len(numbers),
@@ -141,9 +182,14 @@ def _line(kind: str, channel: ChannelSummary) -> str:
         if channel.increases_evenly
         else ""
     )
+    if kind == "variable" and not channel.count:
+        return f"#   variable{name} {_printable(channel.first)}"
+    place = f"variable{name}" if kind == "variable" else f"{kind} {channel.index}{name}"
+    shape = f", {channel.shape}" if " x " in channel.shape else ""
+    unit = f", in {_printable(channel.unit)}" if channel.unit else ""
     return (
-        f"#   {kind} {channel.index}{name}: {channel.count} samples, first {_printable(channel.first)}, "
-        f"from {channel.smallest:.6g} to {channel.largest:.6g}{bad}{hint}"
+        f"#   {place}: {channel.count} samples{shape}, first {_printable(channel.first)}, "
+        f"from {channel.smallest:.6g} to {channel.largest:.6g}{unit}{bad}{hint}"
     )
 
 
@@ -154,24 +200,26 @@ def _printable(text: str) -> str:
 
 def _clock(kind: str, counter: ChannelSummary | None, time: ChannelSummary | None) -> str:
     if counter is not None:
-        return f'frame = {{ {kind} = {counter.index} }}\nrate = "??? 1/s" # frames a second'
+        return f'frame = {{ {kind} = {_place(kind, counter)} }}\nrate = "??? 1/s" # frames a second'
     if time is not None:
-        return f'time = {{ {kind} = {time.index}, unit = "???" }}'
+        return f'time = {{ {kind} = {_place(kind, time)}, unit = "{time.unit or "???"}" }}'
     return 'rate = "??? 1/s" # samples a second'
+
+
+def _place(kind: str, channel: ChannelSummary) -> str:
+    return json.dumps(channel.name) if kind == "variable" else str(channel.index)
 
 
 _TEMPLATE = """\
 # A mapping for {file}: replace every ???, uncomment and fill in what the file holds, and save it, say as map.toml.
 #
-# The file holds, counted from 0:
+# The file holds (rows and columns count from 0):
 {channels}
 
 name = {name}
 
 [file]
-format = "{format}"
-channels = "{orientation}"
-count = {count}
+{layout}
 
 [clock]
 {clock}
@@ -210,4 +258,18 @@ count = {count}
 # stroke = {{ {kind} = ???, unit = "deg" }}      # positive forward
 # deviation = {{ {kind} = ???, unit = "deg" }}   # positive upward
 # pitch = {{ {kind} = ???, unit = "deg" }}       # 90 deg: vertical chord; below it on the forward stroke
+
+# For flycontrol fit:
+# [perturbation]               # left out: unknown, to be estimated
+# onset = "??? ms"             # or where the file gives it: {{ {kind} = ???, unit = "ms" }}
+# duration = "??? ms"
+# trace = {{ {kind} = ???, unit = "mA" }} # instead of onset and duration: a coil current or a torque
+
+# [trial]
+# fly = {{ file_name = "(fly[0-9]+)" }} # recordings of one fly share this
+
+# [paddling]
+# {kind} = ???
+# unit = "deg"
+# convention = "d_alpha"       # or "right minus left, forward stroke", twice as much
 """
