@@ -348,7 +348,7 @@ def draw(loops: list[Loop], found: dict[str, list[Wrong]]) -> bytes:
         axes[0].legend(loc="center right", bbox_to_anchor=(1.06, 0.4), handlelength=1.8)
         draw_responses(axes[5], loops[0])
         buffer = io.BytesIO()
-        figure.savefig(buffer, format="svg", metadata={"Date": None})
+        figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
     return buffer.getvalue()
 
 

@@ -114,7 +114,22 @@ def test_ctrl_c_ends_with_status_130(command, monkeypatch):
     monkeypatch.setattr("flycontrol.io.fly_files.parameter_text", failing(KeyboardInterrupt()))
     status, _, err = command("parameters")
     assert status == 130
-    assert "Traceback" not in err
+    assert err.strip() == "flycontrol: interrupted; nothing was written."
+
+
+def test_ctrl_c_while_the_command_line_loads_is_the_same_sentence():
+    code = (
+        "import sys\n"
+        "class Interrupt:\n"
+        "    def find_spec(self, name, path=None, target=None):\n"
+        "        if name == 'typer':\n"
+        "            raise KeyboardInterrupt\n"
+        "sys.meta_path.insert(0, Interrupt())\n"
+        "from flycontrol.__main__ import main\nmain()"
+    )
+    done = in_a_new_process(code)
+    assert (done.returncode, done.stdout) == (130, "")
+    assert done.stderr == "flycontrol: interrupted; nothing was written.\n"
 
 
 @pytest.mark.parametrize(

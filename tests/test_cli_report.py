@@ -102,4 +102,9 @@ def test_bad_input_is_refused_before_anything_is_written(refused, tmp_path):
     assert "there is no such file" in refused("--parameters", tmp_path / "absent.toml", "--out", out)
     assert "there is no such file" in refused("--recording", tmp_path / "absent.txt", "--out", out)
     assert "there is no such file" in refused("--recording", "a", "--mapping", tmp_path / "absent.toml", "--out", out)
+    assert "--out is empty" in refused("--out", "")
+    assert "shipped are fly, drosophila_hydei" in refused("--parameters", "nope", "--out", out)
+    assert "shipped are fontaine_takeoff, muijres_freeflight" in refused(
+        "--recording", "a", "--mapping", "nope", "--out", out
+    )
     assert "name the recording too" in refused("--mapping", "muijres_freeflight", "--out", out)

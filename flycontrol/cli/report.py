@@ -48,9 +48,7 @@ def report(
             "muijres_freeflight; left out: what the file holds is printed, with a mapping to edit.",
         ),
     ] = None,
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for index.html and result.json.")] = Path(
-        "reports/yaw"
-    ),
+    out: Annotated[str, typer.Option(metavar="DIR", help="Folder for index.html and result.json.")] = "reports/yaw",
 ) -> None:
     """Report on the stability of the yaw loop: margins, modes, recovery, and what a real flight says of the model.
 
@@ -60,15 +58,22 @@ def report(
     from flycontrol.jobs.files import require_writable_folder
 
     started = time.perf_counter()
-    require_writable_folder(out)
+    folder = _folder(out)
+    require_writable_folder(folder)
     fly = read_parameters(parameters)
     flight = _recording(recording, mapping)
     from flycontrol.report.page import write_report
 
     with progress_bar() as progress:
         analysis = None if flight is None else _analysis(flight, fly, parameters)
-        write_report(fly, analysis, out, command=_command(parameters, recording, mapping), progress=progress)
-    say(f"wrote {out / 'index.html'} and result.json in {time.perf_counter() - started:.1f} s")
+        write_report(fly, analysis, folder, command=_command(parameters, recording, mapping), progress=progress)
+    say(f"wrote {folder / 'index.html'} and result.json in {time.perf_counter() - started:.1f} s")
+
+
+def _folder(name: str) -> Path:
+    if not name.strip():
+        raise InvalidInputError("--out is empty; name a folder for index.html and result.json, such as reports/yaw.")
+    return Path(name)
 
 
 def _recording(path: Path | None, mapping: str | None) -> Recording | None:

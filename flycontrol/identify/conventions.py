@@ -274,7 +274,8 @@ def _frame_check(recording: Recording, morphology: Morphology, turned: Attitude)
 def frame_sentence(check: FrameCheck) -> str:
     """What the frame check found, in words."""
     return (
-        f"Stroke-plane frame: v_S = Ry({check.angle / deg:.2f} deg) v_B holds to {check.residual * 1e3:.3g} mm/s rms "
+        f"Stroke-plane frame: with the stroke plane {check.angle / deg:.2f} deg nose down from the body, the body's "
+        f"velocity becomes the recorded one to {check.residual * 1e3:.3g} mm/s rms "
         f"({check.residual_reversed * 1e3:.3g} mm/s with the angle turned round); the best angle is "
         f"{check.fitted_angle / deg:.2f} deg."
     )

@@ -53,6 +53,7 @@ class _Pulse(Table):
     duration: _Quantity
     peak: _Quantity
     tolerance: _Quantity
+    deadline: _Quantity
 
 
 class _DampingRange(Table):
@@ -140,6 +141,11 @@ def _toml(path: Path | str | None) -> TomlFile:
         return shipped_file(DEFAULT)
     if str(path) in shipped_parameters() and not Path(path).exists():
         return shipped_file(str(path))
+    if Path(path).name == str(path) and not Path(path).exists():
+        raise InvalidInputError(
+            f"{path}: there is no such file, and no parameters of that name are shipped; shipped are "
+            f"{', '.join(shipped_parameters())}."
+        )
     return read_toml_file(Path(path))
 
 

@@ -46,6 +46,11 @@ def read_mapping(path: Path | str) -> RecordingMapping:
     """
     if str(path) in shipped_mappings() and not Path(path).exists():
         return known_mapping(str(path))
+    if Path(path).name == str(path) and not Path(path).exists():
+        raise InvalidInputError(
+            f"{path}: there is no such file, and no mapping of that name is shipped; shipped are "
+            f"{', '.join(shipped_mappings())}."
+        )
     return _resolved(read_toml_file(Path(path)))
 
 

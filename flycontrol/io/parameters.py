@@ -45,6 +45,7 @@ _RULES = {
     "pulse.duration": _Rule("pulse_duration", (TIME,), "0.01 ms", "1000 ms"),
     "pulse.peak": _Rule("pulse_peak", (ANGLE,), "0.01 deg", "180 deg"),
     "pulse.tolerance": _Rule("tolerance", (ANGLE,), "0.001 deg", "90 deg"),
+    "pulse.deadline": _Rule("deadline", (TIME,), "0.1 ms", "100 s"),
     "damping_range.low": _Rule("damping_low", (FREQUENCY,), "0.1 1/s", "1e4 1/s"),
     "damping_range.high": _Rule("damping_high", (FREQUENCY,), "0.1 1/s", "1e4 1/s"),
 }

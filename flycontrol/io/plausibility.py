@@ -128,6 +128,7 @@ def _refuse_factor(name: str, what: str, given: FloatArray, moved: FloatArray, o
     noticeable = {"rad/s": 2.0, "m/s": 0.01}[unit]
     if max(said, seen) > noticeable and not 1 / FACTOR < said / max(seen, 1e-12) < FACTOR:
         raise InvalidInputError(
-            f"{name}: the {what} is {said:.3g} {unit} (root mean square) where the {other} changes at {seen:.3g}; "
+            f"{name}: the {what} is {said:.3g} {unit} (root mean square) where the {other} "
+            f"changes at {seen:.3g} {unit}; "
             f"check the unit of the {what} and the clock in the mapping."
         )

@@ -17,6 +17,8 @@ from flycontrol.io.variable_table import VariableTable
 FloatArray = NDArray[np.float64]
 
 _MISSING = {"", "nan", "+nan", "-nan"}  #: what stands where nothing was measured
+_LISTED, _LONGEST_NAME = 12, 24  # names in a refusal, and characters of each
+
 LARGEST = 1e30  #: numbers that no file of measurements holds: markers of missing values, and what would overflow
 
 
@@ -31,7 +33,8 @@ class Samples:
 
     def refusal(self, sample: int, what: str) -> InvalidInputError:
         """Return an error that names the file, line and field of a sample."""
-        return InvalidInputError(f"{self.table.place(self.index, sample)}: {self.channel.key} {what}.")
+        end = "" if what.endswith("?") else "."
+        return InvalidInputError(f"{self.table.place(self.index, sample)}: {self.channel.key} {what}{end}")
 
 
 def read_samples(table: Table, channel: Channel, *, missing: bool = False) -> Samples:
@@ -84,6 +87,14 @@ def _named_index(table: TextTable, name: str, key: str, where: str) -> int:
         fault = f"names no {table.orientation}; give the {table.kind}'s number, counted from 0, instead of {name!r}"
     else:
         near = get_close_matches(name, table.names, n=1)
-        known = f"the nearest is {near[0]!r}" if near else f"there are {', '.join(table.names[:12])}"
+        known = f"the nearest is {near[0]!r}" if near else f"there are {_listed(table.names)}"
         fault = f"has no {table.kind} named {name!r}; {known}"
     raise InvalidInputError(f"{table.file.name} {fault} ({where}, {key}).")
+
+
+def _listed(names: tuple[str, ...]) -> str:
+    """The first names, cut short: a table without names, split wrongly, passes a whole row of numbers for one."""
+    shown = [name if len(name) <= _LONGEST_NAME else f"{name[:_LONGEST_NAME]}..." for name in names[:_LISTED]]
+    more = f" and {len(names) - _LISTED} more" if len(names) > _LISTED else ""
+    format_hint = " (is the format in the mapping right?)" if any(len(n) > _LONGEST_NAME for n in names) else ""
+    return ", ".join(shown) + more + format_hint

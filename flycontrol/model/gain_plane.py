@@ -17,6 +17,7 @@ from flycontrol.model.yaw import YawLoop
 _GRID = 61  # points along each gain
 _SLICE = 49  # points along gain factor and delay
 _ROOM = 0.13  # of the stable region's extent, left around it
+_MOST_TURNS = 15.0  # delay times the loop's fastest rate up to which a slow loop is shown
 _FARTHEST = 2.5  # extents of the stable region within which a loop is still shown at its own place
 
 
@@ -72,7 +73,8 @@ def delay_slice(loop: YawLoop) -> DelaySlice | None:
     if T == 0 or not (kp > 0 and b + kd > 0):
         return None
     high = 4.0 if kd >= 0 else min(4.0, 1.0 + 0.9 * (b / -kd - 1.0))  # b + factor kd stays > 0
-    longest = 1.35 * max(T, largest_stable_delay(b, kp, kd))
+    rate = b + abs(kd) + np.sqrt(kp)
+    longest = 1.35 * max(T, min(largest_stable_delay(b, kp, kd), _MOST_TURNS / rate))
     x = Axis("gain factor", "1", np.linspace(high / _SLICE, high, _SLICE))
     y = Axis("delay", "s", np.linspace(longest / _SLICE, longest, _SLICE))
     chart = stability_chart(lambda factor, delay: _blocks(b, factor * kp, factor * kd, delay), x, y)

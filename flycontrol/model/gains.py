@@ -16,6 +16,7 @@ from flycontrol.model.recovery import pulse_for_peak, recovery_time
 from flycontrol.model.yaw import YawLoop
 
 _SHRINK, _ROUNDS = 0.35, 9
+_OFF = 0.01
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,6 +36,7 @@ class ChosenGains:
     kp: float  #: K_P / I [1/s^2]
     kd: float  #: K_D / I [1/s]
     recovery_time: float  #: in the task [s]
+    nearby: float  #: the longest recovery time with gains up to 1 % off [s]; inf: some are unstable or far slower
     modulus_margin: float  #: min |1 + L|
 
 
@@ -187,5 +189,13 @@ def _chosen(rule: str, b: float, delay: float, task: PulseTask, kp: float, kd: f
     return ChosenGains(
         rule=rule, kp=kp, kd=kd,
         recovery_time=recovery_time(loop, pulse, task.tolerance),
+        nearby=_longest_nearby(b, kp, kd, delay, task),
         modulus_margin=loop.margins().modulus_margin,
     )  # fmt: skip
+
+
+def _longest_nearby(b: float, kp: float, kd: float, delay: float, task: PulseTask) -> float:
+    """How badly recovery suffers from gains 1 % off: optima lie on the edge of jumps, where a later swing leaves."""
+    factors = np.linspace(1.0 - _OFF, 1.0 + _OFF, 9)
+    kps, kds = (grid.ravel() for grid in np.meshgrid(kp * factors, kd * factors if kd else [0.0]))
+    return float(_recovery_sweep(b, kps, kds, delay, task).max())

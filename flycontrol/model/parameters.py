@@ -55,6 +55,7 @@ class Parameters:
     pulse_duration: Sourced  #: [s]
     pulse_peak: Sourced  #: largest yaw that the nominal pulse causes in the closed loop [rad]
     tolerance: Sourced  #: half width of the band that ends a recovery [rad]
+    deadline: Sourced  #: recovery time that real flies keep from the nominal pulse [s]
     damping_low: Sourced  #: lowest published beta/I [1/s]
     damping_high: Sourced  #: highest published beta/I [1/s]
     defaulted: tuple[str, ...] = ()  #: keys that the user's file left out, as "controller.delay"
@@ -62,7 +63,7 @@ class Parameters:
     sha256: str = ""  #: hash of the bytes of the file read and, where keys were missing, of the default file
 
     def __post_init__(self) -> None:
-        for name in ("inertia", "wingbeat_frequency", "pulse_duration", "pulse_peak", "tolerance"):
+        for name in ("inertia", "wingbeat_frequency", "pulse_duration", "pulse_peak", "tolerance", "deadline"):
             self._require(name, above=0.0, inclusive=False)
         for name in ("damping", "delay", "damping_low", "damping_high"):
             self._require(name, above=0.0, inclusive=True)

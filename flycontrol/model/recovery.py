@@ -15,6 +15,7 @@ from flycontrol.model.perturbation import TorquePulse
 from flycontrol.model.yaw import YawLoop
 from flycontrol.units import deg
 
+_MOST_STEPS = 10_000  # delays or pulses, whichever is shorter, that a response is followed for
 _SETTLED = 0.02  # a history this small against the band cannot leave it again unless the loop amplifies fiftyfold
 
 
@@ -93,7 +94,8 @@ def settled_response(loop: YawLoop, pulse: TorquePulse, fraction: float | None, 
     system = loop.closed_loop()
     end = pulse.duration + 8 * max(loop.delay, pulse.duration)
     scale = np.sqrt(abs(loop.kp)) + loop.plant.damping_rate + abs(loop.kd)
-    for _ in range(24):
+    step = min(loop.delay or pulse.duration, pulse.duration)
+    while end < _MOST_STEPS * step:
         whole = pulse_response(system, pulse, end)
         band = tolerance if fraction is None else fraction * whole.largest()[0]
         last = whole.starts > end - max(loop.delay, pulse.duration)
@@ -102,7 +104,8 @@ def settled_response(loop: YawLoop, pulse: TorquePulse, fraction: float | None, 
             return whole
         end *= 2
     raise UnstableSystemError(
-        f"Yaw has not settled after {end / 2:.3g} s; the slowest mode of this loop is too near the stability boundary."
+        f"Yaw has not settled after {end / 2:.3g} s, so no recovery is followed: the slowest mode of this loop is too "
+        "near the boundary of stability, or its gains are far too small."
     )
 
 

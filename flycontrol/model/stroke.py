@@ -75,10 +75,16 @@ def both_wings(recording: Recording) -> tuple[WingAngles, WingAngles]:
     """Left and right wing angles, or a sentence when one of them was not measured."""
     if recording.left is None or recording.right is None:
         raise InvalidInputError(
-            f"{recording.name}: the angles of both wings are needed and at least one wing is missing; "
-            "map stroke, deviation and pitch of the left and of the right wing."
+            f"{recording.name}: what a flight says of Eq. 3 needs stroke, deviation and pitch of both wings, but the "
+            f"mapping reads {_held(recording)}; map the wings if the file has them, pitch being the angle between "
+            "chord and stroke plane and not an attack angle."
         )
     return recording.left, recording.right
+
+
+def _held(recording: Recording) -> str:
+    wings = [side for side, wing in (("left", recording.left), ("right", recording.right)) if wing is not None]
+    return f"the {wings[0]} wing alone" if wings else "the body's motion alone"
 
 
 def wing_axes(motion: WingMotion | WingAngles, side: Side) -> WingAxes:

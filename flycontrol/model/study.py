@@ -19,7 +19,8 @@ from flycontrol.model.loop_shape import LoopShape, loop_shape
 from flycontrol.model.recovery import RecoveryCurve, pulse_response, recovery_curve
 from flycontrol.model.stability import StabilityResult, assess
 from flycontrol.model.yaw import YawLoop
-from flycontrol.units import deg
+
+_STRENGTHS = (0.25, 0.5, 1.0, 1.5, 2.0)  #: of the recoveries shown, in units of the nominal peak
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -67,7 +68,7 @@ def study(
     task: PulseTask,
     dampings: Sequence[float],
     *,
-    deadline: float = 0.060,
+    deadline: float,
     pade_order: int = 4,
     progress: Progress = no_progress,
 ) -> StabilityStudy:
@@ -80,7 +81,7 @@ def study(
     dampings
         Values of beta/I [1/s] at which the best P and the best PD are sought; the delay and the task stay.
     deadline
-        Recovery time [s] that P alone is held against (the review's flies recover within 60 ms).
+        Recovery time [s] that this loop and P alone are held against.
     """
     steps = len(dampings) + 5
     progress(0, steps, "exact poles, margins and recovery")
@@ -93,8 +94,7 @@ def study(
     progress(3, steps, "recoveries")
     recovers = result.recovery_time is not None
     recoveries = _recoveries(result, pade_order) if recovers else None
-    peaks = np.concatenate([np.geomspace(task.tolerance * 1.001, 6 * deg, 120), np.linspace(6 * deg, 45 * deg, 240)])
-    curve = recovery_curve(loop, task.duration, peaks[peaks > task.tolerance], task.tolerance) if recovers else None
+    curve = recovery_curve(loop, task.duration, _curve_peaks(task), task.tolerance) if recovers else None
     table: list[DampingRow] = []
     for k, b in enumerate(dampings):
         progress(4 + k, steps, f"best P and PD at beta/I = {b:.0f} 1/s")
@@ -130,10 +130,17 @@ def _closed_form(loop: YawLoop) -> float | None:
     return largest_stable_delay(b, loop.kp, loop.kd) if loop.kp > 0 and b + loop.kd > 0 else None
 
 
+def _curve_peaks(task: PulseTask) -> FloatArray:
+    """Peaks from just above the band to 2.25 times the nominal one, dense where recovery time rises sharply [rad]."""
+    least, most = 1.001 * task.tolerance, 2.25 * task.peak
+    bend = min(3.0 * task.tolerance, 0.5 * (least + most))
+    return np.concatenate([np.geomspace(least, bend, 120), np.linspace(bend, most, 240)[1:]])
+
+
 def _recoveries(result: StabilityResult, order: int) -> YawRecoveries:
     assert result.pulse is not None
     loop, task = result.loop, result.task
-    peaks = np.array([5.0, 10.0, 20.0, 30.0, 40.0]) * deg
+    peaks = task.peak * np.array(_STRENGTHS)
     end = max(0.1, 1.3 * (result.recovery_time or 0.0))
     time = np.linspace(0.0, end, 1201)
     exact = pulse_response(loop.closed_loop(), result.pulse, end)(time)

@@ -123,6 +123,7 @@ def _angles(found: TurnIdentification) -> PageFigure:
         if len(off) > 1
         else f"After Fig. 5c of the review, for the only turn. Eq. 5 misses it by {fixed(off[0], 0)}°."
     )
+    caption += " Grey lines mark the measured angles, the diagonal a perfect prediction."
     title = "Turn angles, measured against predicted"
     return PageFigure(
         name="flight-angles",

@@ -58,6 +58,11 @@ def milliseconds(seconds: float | None, digits: int = 1) -> str:
     return fixed(None if seconds is None else seconds / ms, digits, "ms")
 
 
+def brief(seconds: float) -> str:
+    """Write a time given in seconds in ms with three significant digits: 60 ms, 69.8 ms."""
+    return significant(seconds / ms, 3, "ms")
+
+
 def degrees(radians: float | None, digits: int = 1) -> str:
     """Write an angle given in radians."""
     return fixed(None if radians is None else radians / deg, digits) + ("" if radians is None else "°")

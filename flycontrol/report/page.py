@@ -57,7 +57,13 @@ def write_report(
     OutputError
         If the files cannot be written; earlier ones stay as they were.
     """
-    found = study(yaw_loop(parameters), pulse_task(parameters), dampings(parameters), progress=progress)
+    found = study(
+        yaw_loop(parameters),
+        pulse_task(parameters),
+        dampings(parameters),
+        deadline=parameters.deadline.value,
+        progress=progress,
+    )
     origin = provenance(parameters, command, analysis)
     files = {
         "index.html": page(found, parameters, origin, analysis),

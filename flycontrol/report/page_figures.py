@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from flycontrol.delay.locus import AxisCrossing
+from flycontrol.model.gains import ChosenGains
 from flycontrol.model.loci import MARKED_DELAYS, MARKED_FACTORS
 from flycontrol.model.study import StabilityStudy
 from flycontrol.report.chain import LoopChain
@@ -19,7 +20,7 @@ from flycontrol.report.figures.locus import LocusReading, nearest_crossing, root
 from flycontrol.report.figures.nyquist import nyquist
 from flycontrol.report.figures.recovery import recoveries
 from flycontrol.report.figures.strength import recovery_against_strength
-from flycontrol.report.numbers import degrees, fixed, milliseconds
+from flycontrol.report.numbers import brief, degrees, fixed, milliseconds, significant
 from flycontrol.report.style import svg
 from flycontrol.report.verdict import own_row
 from flycontrol.units import deg, ms
@@ -175,29 +176,37 @@ def _recoveries(study: StabilityStudy, wingbeat_frequency: float) -> PageFigure 
         f"{milliseconds(result.loop.delay)}, after the pulse begins, with up to {fixed(-least, 2, 'nN m')} against the "
         f"{fixed(found.peaks[-1] / deg, 0)}° deflection. The Padé approximation of order {found.pade_order} errs by up "
         f"to {fixed(wrong / deg, 2)}° (lowest panel, Padé less exact). Shaded: pulse, and band of "
-        f"±{fixed(result.task.tolerance / deg, 0)}°."
+        f"±{significant(result.task.tolerance / deg)}°."
     )
     figure = recoveries(found, result, wingbeat_frequency)
     return _page_figure("recoveries", figure, "Yaw recovery from pulses of several strengths", caption)
 
 
 def _strength(study: StabilityStudy, wingbeat_frequency: float) -> PageFigure | None:
-    curve = study.curve
+    curve, result = study.curve, study.result
     if curve is None:
         return None
-    early, late = (slope(study, *ends) for ends in ((3 * deg, 6 * deg), (20 * deg, 40 * deg)))
+    tolerance, peak = result.task.tolerance, result.task.peak
+    late = slope(study, peak, 2 * peak)
     jumps = ", ".join(degrees(float(jump)) for jump in curve.jumps)
     caption = (
-        f"A sharp rise, then a plateau: on average {fixed(early, 2)} ms a degree from 3° to 6° and {fixed(late, 2)} ms "
-        f"a degree from 20° to 40°. "
+        f"From {degrees(peak, 0)} to {degrees(2 * peak, 0)} it takes on average {fixed(late, 2)} ms a degree more. "
     )
+    if 3 * tolerance < peak:
+        early = slope(study, 1.5 * tolerance, 3 * tolerance)
+        shape = "A sharp rise, then a plateau: on" if late < 0.2 * early else "On"
+        caption = (
+            f"{shape} average {fixed(early, 2)} ms a degree from {degrees(1.5 * tolerance, 0)} to "
+            f"{degrees(3 * tolerance, 0)} and {fixed(late, 2)} ms a degree from {degrees(peak, 0)} to "
+            f"{degrees(2 * peak, 0)}. "
+        )
     caption += (
         f"At {jumps} a later swing leaves the band and the recovery time jumps: the curve is broken there, full and "
         "open circles are the values before and after."
         if jumps
         else f"No later swing leaves the band up to {fixed(curve.peaks[-1] / deg, 0)}°: no jumps."
     )
-    figure = recovery_against_strength(curve, study.result, wingbeat_frequency, study.deadline)
+    figure = recovery_against_strength(curve, result, wingbeat_frequency, study.deadline)
     return _page_figure("strength", figure, "Recovery time against perturbation strength", caption)
 
 
@@ -215,7 +224,18 @@ def _damping(study: StabilityStudy) -> PageFigure:
         f"At this fly's damping the best P needs {milliseconds(row.proportional.recovery_time)}, and the best PD with "
         f"a modulus margin of at least 0.5 needs {milliseconds(row.derivative.recovery_time)}. "
     )  # fmt: skip
-    enough = "" if need is None else f"P alone meets {milliseconds(study.deadline, 0)} from β/I = {need:.0f} 1/s on."
+    cliff = "" if row is None else _cliff("P", row.proportional) + _cliff("PD", row.derivative)
+    enough = "" if need is None else f"P alone meets {brief(study.deadline)} from β/I = {need:.0f} 1/s on."
     own = study.result.loop.plant.damping_rate
     figure = p_against_pd(study.damping_table, study.deadline, need, own)
-    return _page_figure("damping", figure, "Best P against best PD over the yaw damping", at_own + enough)
+    return _page_figure("damping", figure, "Best P against best PD over the yaw damping", at_own + cliff + enough)
+
+
+def _cliff(name: str, best: ChosenGains) -> str:
+    """Say that an optimum stands where recovery jumps, if it does."""
+    if not best.nearby > 1.1 * best.recovery_time:
+        return ""
+    worse = f"takes up to {milliseconds(best.nearby)}" if np.isfinite(best.nearby) else "fails or takes far longer"
+    return (
+        f"That best {name} stands on a cliff: with gains 1 % off a later swing leaves the band and recovery {worse}. "
+    )

@@ -87,6 +87,7 @@ FIELDS: dict[str, str] = {
     "damping_table[].*.proportional_gain_per_s2": "K_P / I",
     "damping_table[].*.derivative_gain_per_s": "K_D / I",
     "damping_table[].*.recovery_time_ms": "from the nominal pulse",
+    "damping_table[].*.recovery_time_nearby_ms": "longest with gains up to 1 % off; null: some are unstable",
     "damping_table[].*.modulus_margin": "min |1 + L|",
     "proportional.deadline_ms": "recovery time that P alone is held against",
     "proportional.suffices_from_per_s": "beta / I at which the best P just meets the deadline; null: not found",
@@ -243,6 +244,7 @@ def _gains(chosen: ChosenGains) -> dict[str, Any]:
         "proportional_gain_per_s2": chosen.kp,
         "derivative_gain_per_s": chosen.kd,
         "recovery_time_ms": chosen.recovery_time / ms,
+        "recovery_time_nearby_ms": chosen.nearby / ms,
         "modulus_margin": chosen.modulus_margin,
     }
 

@@ -24,6 +24,7 @@ _NAMES: dict[str, tuple[str, str]] = {
     "pulse_duration": ("pulse duration", ""),
     "pulse_peak": ("peak deflection of the nominal pulse", "ψ<sub>max</sub>"),
     "tolerance": ("half width of the recovery band", ""),
+    "deadline": ("recovery time that is held against", ""),
     "damping_low": ("low end of the damping range", "β/<i>I</i>"),
     "damping_high": ("high end of the damping range", "β/<i>I</i>"),
 }
@@ -175,7 +176,8 @@ def damping_rows(study: StabilityStudy) -> list[GainsRow]:
 
 def _gains(chosen: ChosenGains, *, derivative: bool) -> tuple[str, ...]:
     kd = (fixed(chosen.kd, 1),) if derivative else ()
-    return (fixed(chosen.kp, 0), *kd, milliseconds_only(chosen.recovery_time), fixed(chosen.modulus_margin, 3))
+    times = (milliseconds_only(chosen.recovery_time), milliseconds_only(chosen.nearby))
+    return (fixed(chosen.kp, 0), *kd, *times, fixed(chosen.modulus_margin, 3))
 
 
 def milliseconds_only(seconds: float) -> str:

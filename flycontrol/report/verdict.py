@@ -10,7 +10,7 @@ from flycontrol.delay.margins import Margins
 from flycontrol.model.parameters import Parameters
 from flycontrol.model.stability import Mode
 from flycontrol.model.study import DampingRow, StabilityStudy
-from flycontrol.report.numbers import degrees, fixed, milliseconds, root
+from flycontrol.report.numbers import brief, degrees, fixed, milliseconds, root
 
 _DB = 20.0
 
@@ -153,8 +153,8 @@ def _recovery_finding(study: StabilityStudy, frequency: float) -> Finding:
     kept = "within" if result.recovery_time < study.deadline else "later than"
     return Finding(
         quantity=name, value=milliseconds(result.recovery_time),
-        meaning=f"{fixed(result.recovery_time * frequency, 1)} wingbeats; {kept} the {milliseconds(study.deadline, 0)} "
-        "of the published flies",
+        meaning=f"{fixed(result.recovery_time * frequency, 1)} wingbeats; {kept} the {brief(study.deadline)} that it "
+        "is held against",
     )  # fmt: skip
 
 
@@ -166,7 +166,7 @@ def _proportional_finding(study: StabilityStudy, parameters: Parameters) -> Find
 
 def proportional_sentence(study: StabilityStudy, parameters: Parameters) -> str:
     """What proportional control alone does and would need, after the words "P alone"."""
-    deadline, need = milliseconds(study.deadline, 0), study.proportional_suffices_from
+    deadline, need = brief(study.deadline), study.proportional_suffices_from
     low, high = parameters.damping_low.value, parameters.damping_high.value
     row = own_row(study)
     met = ""

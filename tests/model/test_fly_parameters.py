@@ -23,6 +23,7 @@ def fly():
         pulse_duration=sourced(0.005),
         pulse_peak=sourced(0.3),
         tolerance=sourced(0.03),
+        deadline=sourced(0.06),
         damping_low=sourced(69.0),
         damping_high=sourced(176.0),
     )

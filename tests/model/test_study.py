@@ -24,7 +24,13 @@ def fly(delay: float = T) -> YawLoop:
 
 @pytest.fixture(scope="module")
 def nominal():
-    return study(fly(), TASK, [69.0, 176.0], progress=lambda done, total, what: TOLD.append((done, total, what)))
+    return study(
+        fly(),
+        TASK,
+        [69.0, 176.0],
+        deadline=60 * ms,
+        progress=lambda done, total, what: TOLD.append((done, total, what)),
+    )
 
 
 def test_recovery_time_rises_sharply_and_then_levels_off(nominal):
@@ -62,6 +68,13 @@ def test_recoveries_are_one_response_scaled_to_each_peak(nominal):
         np.testing.assert_allclose(yaw[: len(one)], one * peak / TASK.peak, atol=1e-9)
     # the first 2 pi / bandwidth of a delay is where an approximation of order 4 errs, by some hundredths of a degree
     assert np.abs(found.yaw_pade - found.yaw).max() < 0.02 * found.peaks.max()
+
+
+def test_strengths_and_peaks_follow_the_task(nominal):
+    np.testing.assert_allclose(nominal.recoveries.peaks / deg, [5, 10, 20, 30, 40], rtol=1e-12)
+    assert (np.diff(nominal.curve.peaks) > 0).all()
+    assert nominal.curve.peaks[0] > TASK.tolerance
+    assert nominal.curve.peaks[-1] == pytest.approx(45 * deg, rel=1e-12)
 
 
 def test_the_curve_passes_through_the_recovery_of_the_nominal_pulse(nominal):
@@ -117,7 +130,7 @@ def test_nyquist_encirclements_are_the_unstable_poles(nominal):
 
 
 def test_an_unstable_loop_is_studied_without_what_only_a_stable_one_has():
-    unstable = study(fly(delay=0.05), TASK, [69.0, 176.0])
+    unstable = study(fly(delay=0.05), TASK, [69.0, 176.0], deadline=60 * ms)
     assert not unstable.result.stable
     assert unstable.recoveries is None
     assert unstable.curve is None

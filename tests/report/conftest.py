@@ -103,6 +103,6 @@ def _recoveries(result):
 
 
 def _row(b, slow, fast):
-    p = ChosenGains(rule="made up", kp=1500.0, kd=0.0, recovery_time=slow, modulus_margin=0.63)
-    pd = ChosenGains(rule="made up", kp=3480.0, kd=54.0, recovery_time=fast, modulus_margin=0.5)
+    p = ChosenGains(rule="made up", kp=1500.0, kd=0.0, recovery_time=slow, nearby=0.145, modulus_margin=0.63)
+    pd = ChosenGains(rule="made up", kp=3480.0, kd=54.0, recovery_time=fast, nearby=np.inf, modulus_margin=0.5)
     return DampingRow(b=b, proportional=p, derivative=pd)

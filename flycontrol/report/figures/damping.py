@@ -37,7 +37,7 @@ def p_against_pd(rows: Sequence[DampingRow], deadline: float, suffices_from: flo
     right.plot(b, [row.derivative.modulus_margin for row in rows], **pd)
     left.axhline(deadline / ms, color=MARK, linewidth=0.9)
     left.annotate(
-        f"{deadline / ms:.0f} ms", (b[0], deadline / ms), xytext=(8, 2), textcoords="offset points", color=MARK
+        f"{deadline / ms:.3g} ms", (b[0], deadline / ms), xytext=(8, 2), textcoords="offset points", color=MARK
     )
     if suffices_from is not None:
         left.plot(suffices_from, deadline / ms, "D", color=MARK, markersize=6)

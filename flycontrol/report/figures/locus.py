@@ -110,9 +110,20 @@ def _label_values(ax: Axes, locus: RootLocus, reading: LocusReading, end: comple
             continue
         written.append(root)
         ax.plot(root.real, root.imag, "o", color=EXACT, markersize=3)
+        flat = _is_flat(ax, locus, pair, value)
         ax.annotate(
-            _written(reading, value), (root.real, root.imag), xytext=(6, -2), textcoords="offset points", va="center"
-        )
+            _written(reading, value), (root.real, root.imag), xytext=(0, 6) if flat else (6, -5),
+            textcoords="offset points", ha="center" if flat else "left",
+        )  # fmt: skip
+
+
+def _is_flat(ax: Axes, locus: RootLocus, branch: int, value: float) -> bool:
+    """Whether a branch runs so level at a value that text beside it would lie on it."""
+    k = int(np.flatnonzero(locus.values == value)[0])
+    around = locus.branches[branch, max(k - 1, 0) : k + 2]
+    moved = around[-1] - around[0]
+    (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
+    return bool(abs(moved.imag) / (high - low) < 0.6 * abs(moved.real) / (right - left))
 
 
 def _touches(ax: Axes, root: complex, other: complex, reach: float) -> bool:

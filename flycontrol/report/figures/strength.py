@@ -48,7 +48,13 @@ def recovery_against_strength(
         part = (curve.peaks >= left) & (curve.peaks < right) if right < bounds[-1] else curve.peaks >= left
         ax.plot(curve.peaks[part] / deg, curve.times[part] / ms, **EXACT_LINE)
     ax.axhline(deadline / ms, **GUIDE_LINE)
-    ax.text(curve.tolerance / deg + 0.7, deadline / ms + 1, f"{deadline / ms:.0f} ms", color=QUIET, va="bottom")
+    ax.text(
+        curve.tolerance / deg + 0.016 * float(curve.peaks[-1]) / deg,
+        deadline / ms + 0.012 * top,
+        f"{deadline / ms:.3g} ms",
+        color=QUIET,
+        va="bottom",
+    )
     _mark_jumps(ax, curve)
     if result.recovery_time is not None:
         ax.plot(result.task.peak / deg, result.recovery_time / ms, "o", color=MARK, markersize=6)

@@ -34,6 +34,7 @@ def turning(found: TurnIdentification) -> Figure:
         acceleration.plot(found.time / ms, found.plant.modelled_acceleration, **modelled)
     _labels(paddled, rate, acceleration)
     _number_turns(paddled, found)
+    figure.align_ylabels([paddled, rate, acceleration])
     return figure
 
 
