@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from flycontrol.cli.example import example
+from flycontrol.cli.fit import fit
 from flycontrol.cli.report import parameters, report
 from flycontrol.cli.terminal import WorkInterruptedError, say
 from flycontrol.errors import FlycontrolError
@@ -69,3 +70,4 @@ def flycontrol(
 app.command()(parameters)
 app.command()(report)
 app.command()(example)
+app.command()(fit)

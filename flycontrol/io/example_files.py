@@ -44,8 +44,8 @@ _README = """\
 SYNTHETIC DATA, made by `flycontrol example`, seed {seed}. Nothing here was measured on an animal.
 
 {count} recordings of {flies} simulated flies, each turned by torque pulses of several strengths: yaw sampled at
-{rate:g} 1/s with noise that is partly correlated, a ripple of the wingbeat and missing frames; the wings' paddling angle
-once a wingbeat. The flies differ from each other by some percent.
+{rate:g} 1/s with noise that is partly correlated, a ripple of the wingbeat and missing frames; the wings' paddling
+angle once a wingbeat. The flies differ from each other by some percent.
 
   flycontrol fit {pattern} --mapping {mapping}
 

@@ -82,9 +82,9 @@ def page(
     figures = page_figures(found, chain, frequency) | ({} if flight is None else flight.figures)
     parameter_rows = tables.parameter_rows(parameters)
     cited = _references(parameter_rows, flight)
-    environment = _environment()
+    environment = template_environment()
     return environment.get_template("page.html").render(
-        css=_css(environment),
+        css=the_css(environment),
         parameters=parameters,
         origin=origin,
         said=verdict(found, parameters),
@@ -130,13 +130,15 @@ def _table_numbers(flight: FlightPart | None) -> dict[str, int]:
     return {name: _FIXED_TABLES + number for name, number in _numbered([*present, "pade", "provenance"]).items()}
 
 
-def _environment() -> Environment:
+def template_environment() -> Environment:
+    """Where the templates of all pages are; a name that a template lacks is an error."""
     return Environment(
         loader=PackageLoader("flycontrol.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
         lstrip_blocks=True, keep_trailing_newline=True,
     )  # fmt: skip
 
 
-def _css(environment: Environment) -> str:
+def the_css(environment: Environment) -> str:
+    """The style sheet that every page carries in itself."""
     assert environment.loader is not None
     return environment.loader.get_source(environment, "style.css")[0]

@@ -70,6 +70,13 @@ class TrialPart:
         p[self.active] = x[self.places]
         return p
 
+    def predicted_at(self, x: FloatArray, times: FloatArray) -> list[FloatArray]:
+        """For each channel the model at times (n,) [s] inside the recording."""
+        p = self.parameters(x)
+        none = np.zeros(0, dtype=np.int64)
+        yaw, fly = evaluate(p, none, self.drive, self.span, times, len(self.channels) > 1)
+        return [yaw[0]] if fly is None else [yaw[0], fly[0] / p[_PADDLING_GAIN]]
+
     def predicted(self, x: FloatArray, derivatives: bool = True) -> list[FloatArray]:
         """For each channel the model's samples and, below, its derivatives: (1 + m, n), or (1, n) without."""
         p = self.parameters(x)

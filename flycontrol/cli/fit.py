@@ -1,0 +1,134 @@
+"""`flycontrol fit`: recordings of perturbed flies in, gains with intervals and a report out."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from flycontrol.cli.fit_options import FitRequest, requested_model
+from flycontrol.cli.terminal import progress_bar, refusal_with_a_mapping_to_edit, say
+from flycontrol.errors import InvalidInputError
+
+if TYPE_CHECKING:
+    from flycontrol.identify.gains.study import FitOptions
+
+_OUT = Path("reports/fit")
+
+
+def fit(
+    files: Annotated[
+        list[str], typer.Argument(metavar="FILE...", help="Recordings of perturbed flies, or patterns as flies/*.csv.")
+    ],
+    mapping: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FILE",
+            help="What the files hold, in TOML; left out: what the first one holds is printed, with a mapping to edit.",
+        ),
+    ] = None,
+    controller: Annotated[str, typer.Option(metavar="P|PD|PI|PID", help="On the yaw angle.")] = "PD",
+    fix: Annotated[
+        list[str] | None, typer.Option(metavar="NAME=VALUE", help='Take for known, as damping="69 1/s"; repeat.')
+    ] = None,
+    estimate: Annotated[
+        list[str] | None, typer.Option(metavar="NAME", help="Estimate too: onset_shift, limit, ki; repeat.")
+    ] = None,
+    prior: Annotated[
+        list[str] | None, typer.Option(metavar="NAME=VALUE", help='Known roughly, as damping="69 +- 5 1/s"; repeat.')
+    ] = None,
+    bound: Annotated[
+        list[str] | None, typer.Option(metavar="NAME=ENDS", help='Search inside, as delay="5 ms .. 30 ms"; repeat.')
+    ] = None,
+    shared: Annotated[
+        str, typer.Option(metavar="all|fly|trial", help="Whose gains, delay and damping are the same.")
+    ] = "all",
+    noise: Annotated[
+        str, typer.Option(metavar="auto|white|ORDER", help="Autoregressive order of the residuals.")
+    ] = "auto",
+    loss: Annotated[
+        str, typer.Option(metavar="linear|huber", help="huber where single samples may be far off.")
+    ] = "linear",
+    level: Annotated[float, typer.Option(metavar="NUMBER", help="Of the intervals.")] = 0.95,
+    seed: Annotated[int, typer.Option(min=0, help="Of everything drawn at random.")] = 0,
+    parameters: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FILE", help="Inertia and wingbeat of the fly, in TOML, or a shipped name, for the report."
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help=f"Folder for the report; {_OUT} unless --json is given.")
+    ] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print result.json on standard output.")] = False,
+) -> None:
+    """Fit gains and delay of the yaw reflex to recordings of perturbed flies, with intervals, and write a report.
+
+    Parameters are kp, kd, ki (gains over inertia), delay, damping, limit, impulse, onset_shift, initial_yaw,
+    initial_rate, heading and paddling_gain.
+
+    Example: flycontrol fit demo/*.csv --mapping demo/mapping.toml
+    """
+    from flycontrol.io.parameters import read_parameters
+    from flycontrol.jobs.files import require_writable_folder
+
+    started = time.perf_counter()
+    folder = _OUT if out is None and not json else out
+    if folder is not None:
+        require_writable_folder(folder)
+    if mapping is None:
+        raise refusal_with_a_mapping_to_edit(Path(files[0]))
+    options = _options(noise, loss, level, seed)
+    request = FitRequest(
+        controller=controller, fix=fix or (), estimate=estimate or (), prior=prior or (), bound=bound or (),
+        shared=shared,
+    )  # fmt: skip
+    requested_model(request, paddling=False)  # refuse before hundreds of files are read
+    fly = read_parameters(parameters)
+    from flycontrol.identify.gains.study import fit_study
+    from flycontrol.io.trials import read_trials
+
+    with progress_bar() as progress:
+        trials = read_trials(files, mapping, progress=progress)
+        model = requested_model(request, paddling=any(trial.paddling is not None for trial in trials))
+        found = fit_study(trials, model, options, progress=progress)
+        from flycontrol.report.fit_page import fit_provenance, write_fit_report
+        from flycontrol.report.fit_result import fit_result_json
+
+        command = _command(len(files), mapping, request, options)
+        if folder is not None:
+            write_fit_report(found, fly, folder, command=command, progress=progress)
+    if json:
+        typer.echo(fit_result_json(found, fit_provenance(found, command)), nl=False)
+    where = f"wrote {folder / 'index.html'}, result.json, estimates.csv and table.md" if folder else "done"
+    say(f"{found.result.status} {where} in {time.perf_counter() - started:.1f} s")
+
+
+def _options(noise: str, loss: str, level: float, seed: int) -> FitOptions:
+    from flycontrol.identify.gains.study import FitOptions
+
+    if not (noise in ("auto", "white") or (noise.isdecimal() and int(noise) <= 12)):
+        raise InvalidInputError(f"--noise must be auto, white or an order from 0 to 12, got '{noise}'.")
+    if not 0 < level < 1:
+        raise InvalidInputError(f"--level must lie between 0 and 1, got {level:g}.")
+    kind = int(noise) if noise.isdecimal() else noise
+    for known in ("linear", "huber"):
+        if loss == known:
+            return FitOptions(noise=kind, loss=known, level=level, seed=seed)
+    raise InvalidInputError(f"--loss must be linear or huber, got '{loss}'.")
+
+
+def _command(count: int, mapping: str, request: FitRequest, options: FitOptions) -> str:
+    """Say what was asked for; where files lie and where the report goes does not change it."""
+    given = [f"--mapping {Path(mapping).name}", f"--controller {request.controller}", f"--shared {request.shared}"]
+    for option in ("fix", "estimate", "prior", "bound"):
+        given += [f"--{option} '{text}'" for text in getattr(request, option)]
+    given += [
+        f"--noise {options.noise}",
+        f"--loss {options.loss}",
+        f"--level {options.level:g}",
+        f"--seed {options.seed}",
+    ]
+    return " ".join(["flycontrol fit", f"({count} files or patterns)", *given])

@@ -1,0 +1,155 @@
+"""The report of a fit: its page, the stability report of the fitted fly, result.json, estimates.csv and a table."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Mapping
+from dataclasses import replace
+from importlib.metadata import version
+from pathlib import Path
+
+from flycontrol.errors import UnstableSystemError
+from flycontrol.identify.gains.result import Estimate, FitResult
+from flycontrol.identify.gains.study import FitStudy
+from flycontrol.jobs.files import write_files_atomically
+from flycontrol.jobs.progress import Progress, no_progress
+from flycontrol.model.parameters import Parameters, Sourced
+from flycontrol.model.study import study as stability_study
+from flycontrol.model.trial import Pulse
+from flycontrol.report.fit_figures import fit_figures
+from flycontrol.report.fit_result import FitProvenance, estimates_csv, fit_result_json
+from flycontrol.report.fit_words import KINDS, digits_for, estimate_rows, paper_table
+from flycontrol.report.nominal import dampings, pulse_task, yaw_loop
+from flycontrol.report.numbers import fixed
+from flycontrol.report.page import page as stability_page
+from flycontrol.report.page import template_environment, the_css
+from flycontrol.report.provenance import Provenance
+
+_MADE_WITH = ("flycontrol", "numpy", "scipy", "numba", "matplotlib")
+_FIGURES = ("recordings", "residuals", "paddling")
+#: Fields of `Parameters` that a fit replaces.
+_FITTED = {"proportional_gain": "kp", "derivative_gain": "kd", "delay": "delay"}
+
+
+def fit_provenance(study: FitStudy, command: str) -> FitProvenance:
+    """What the report was made from and with: no clock, no machine, no user."""
+    notes = study.recordings[0].trial.notes
+    return FitProvenance(
+        command=command,
+        mapping=notes.get("mapping"),
+        mapping_sha256=notes.get("mapping_sha256"),
+        versions={"Python": platform.python_version()} | {name: version(name) for name in _MADE_WITH},
+        seed=study.seed,
+    )
+
+
+def write_fit_report(
+    study: FitStudy, parameters: Parameters, folder: Path, *, command: str, progress: Progress = no_progress
+) -> tuple[Path, ...]:
+    """Write index.html, stability.html, result.json, estimates.csv and table.md, all or none.
+
+    Parameters
+    ----------
+    study
+        What was fitted.
+    parameters
+        Of the fly, for what yaw alone cannot tell: inertia, wingbeat frequency, the nominal experiment.
+    folder
+        Where the files go.
+    command
+        That made this report, as it shall stand in its provenance.
+
+    Raises
+    ------
+    OutputError
+        If the files cannot be written; earlier ones stay as they were.
+    """
+    origin = fit_provenance(study, command)
+    files = {
+        "result.json": fit_result_json(study, origin),
+        "estimates.csv": estimates_csv(study),
+        "table.md": paper_table(study.result),
+    }
+    fly = fitted_fly(study, parameters)
+    stability = None if fly is None else _stability(fly, origin, progress)
+    if stability is not None:
+        files["stability.html"] = stability
+    files["index.html"] = fit_page(study, origin, with_stability=stability is not None)
+    return write_files_atomically(folder, files)
+
+
+def fit_page(study: FitStudy, origin: FitProvenance, *, with_stability: bool) -> str:
+    """Render the page of the fit, self-contained."""
+    environment = template_environment()
+    figures = fit_figures(study)
+    return environment.get_template("fit.html").render(
+        css=the_css(environment),
+        study=study,
+        result=study.result,
+        origin=origin,
+        figures=figures,
+        numbers={name: k for k, name in enumerate([f for f in _FIGURES if f in figures], start=1)},
+        rows=estimate_rows(study.result),
+        own_rows=estimate_rows(study.result, of_the_loop=False),
+        level=f"{100 * study.result.level:g}",
+        paper=paper_table(study.result),
+        flies=len({recording.trial.fly for recording in study.recordings}),
+        with_stability=with_stability,
+    )
+
+
+def fitted_fly(study: FitStudy, parameters: Parameters) -> Parameters | None:
+    """The parameters of the fitted fly; None where flies differ in them, or the controller is not P or PD."""
+    result = study.result
+    if result.controller not in ("P", "PD") or not _is_one_loop(result):
+        return None
+    inertia = parameters.inertia.value
+    fitted = {field: _sourced(result, kind) for field, kind in _FITTED.items()}
+    damping = _sourced(result, "damping")
+    fitted["damping"] = Sourced(
+        value=damping.value * inertia, unit="N m s", note=f"β/I = {damping.text} {damping.note}"
+    )
+    pulses = [r.trial.perturbation for r in study.recordings if isinstance(r.trial.perturbation, Pulse)]
+    if pulses:
+        fitted["pulse_duration"] = Sourced(value=pulses[0].duration, unit="s", note="of the recordings")
+    name = f"fly fitted to {len(study.recordings)} recordings"
+    return replace(parameters, name=name, defaulted=(), file="", sha256="", **fitted)
+
+
+def _is_one_loop(result: FitResult) -> bool:
+    """Whether all recordings share one loop that exists."""
+    determined = all(e.name == e.kind for e in result.estimates if e.kind in ("kp", "kd", "delay", "damping"))
+    return determined and result.value("damping") >= 0 and result.value("delay") > 0
+
+
+def _sourced(result: FitResult, kind: str) -> Sourced:
+    _, _, unit, size = KINDS[kind]
+    si = {"kp": "1/s^2", "kd": "1/s", "delay": "s", "damping": "1/s"}[kind]
+    found: Mapping[str, Estimate] = {e.name: e for e in result.estimates}
+    if kind not in found:
+        value = result.value(kind)
+        return Sourced(value=value, unit=si, text=f"{value / size:.6g} {unit}", note="fixed in the fit")
+    e = found[kind]
+    digits = digits_for(e.standard_error / size, e.value / size)
+    ends = f"{fixed(e.low / size, digits)} to {fixed(e.high / size, digits, unit)}"
+    note = f"fitted, {100 * result.level:g} % interval {ends}"
+    return Sourced(value=e.value, unit=si, text=f"{fixed(e.value / size, digits)} {unit}", note=note)
+
+
+def _stability(fly: Parameters, origin: FitProvenance, progress: Progress) -> str | None:
+    """The stability report of the fitted fly; None where its loop cannot be studied."""
+    try:
+        found = stability_study(yaw_loop(fly), pulse_task(fly), dampings(fly), progress=progress)
+    except UnstableSystemError:
+        return None
+    provenance = Provenance(
+        command=origin.command,
+        parameter_file="the estimates of index.html beside this page",
+        parameter_sha256="",
+        defaulted=(),
+        recording=None,
+        recording_sha256=None,
+        versions=origin.versions,
+        seed=str(origin.seed),
+    )
+    return stability_page(found, fly, provenance)

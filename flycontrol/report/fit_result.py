@@ -1,0 +1,157 @@
+"""result.json and estimates.csv of a fit; `FIELDS` says what each field of the first holds."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from flycontrol.identify.gains.result import Estimate
+from flycontrol.identify.gains.study import ChannelFit, FitStudy, RecordingFit
+from flycontrol.report.fit_words import owner
+from flycontrol.report.result import finite
+from flycontrol.units import deg
+
+FIELDS: dict[str, str] = {
+    "status": "how far the fit can be trusted, in a sentence",
+    "converged": "whether the search ended at a minimum",
+    "controller": "P, PD, PI or PID",
+    "signal": "what the controller acts on",
+    "level": "of all intervals",
+    "loss": "of the residuals: linear or huber",
+    "deviance": "minus twice the logarithm of the likelihood",
+    "samples": "measured, of all channels",
+    "fixed.*": "parameters taken for known, in SI units and radians",
+    "estimates[].name": "parameter, and in brackets the fly or recording that it belongs to",
+    "estimates[].kind": "parameter: kp = K_P/I, kd = K_D/I, ki = K_I/I, damping = beta/I, paddling_gain = gamma/I, ...",
+    "estimates[].owner": "fly or recording; empty: all share it",
+    "estimates[].unit": "of value, low, high, standard_error and bias",
+    "estimates[].value": "corrected for the bias that the model's curvature causes",
+    "estimates[].low": "low end of the interval; null: open",
+    "estimates[].high": "high end of the interval; null: open",
+    "estimates[].standard_error": "null: the data do not determine it, or it lies at a bound",
+    "estimates[].degrees_of_freedom": "of the interval",
+    "estimates[].bias": "that was taken off",
+    "estimates[].method": "that gave the interval",
+    "estimates[].at_bound": "whether a bound holds it",
+    "estimates[].open_because": "why a side of the interval is open",
+    "correlation.names[]": "estimates that all recordings share",
+    "correlation.matrix[][]": "of their errors; null: not determined",
+    "recordings[].name": "of the recording",
+    "recordings[].fly": "recordings of one fly share it",
+    "recordings[].sha256": "of the file's bytes",
+    "recordings[].channels[].kind": "yaw or paddling",
+    "recordings[].channels[].samples": "measured",
+    "recordings[].channels[].residual_rms_deg": "of measured less fitted",
+    "recordings[].channels[].noise_sd_deg": "standard deviation of the noise as modelled",
+    "recordings[].channels[].noise_order": "of the autoregressive noise; 0: white",
+    "recordings[].channels[].noise_coefficients[]": "e_t = sum of coefficient * e_(t-k) + innovation",
+    "provenance.command": "that made this report",
+    "provenance.mapping": "name of the mapping; null: trials given from Python",
+    "provenance.mapping_sha256": "of its file",
+    "provenance.versions.*": "of Python and the packages that computed",
+    "provenance.seed": "of everything drawn at random",
+}
+
+COLUMNS = (
+    *("name", "kind", "owner", "unit", "value", "low", "high", "level", "standard_error"),
+    *("degrees_of_freedom", "bias", "method", "at_bound"),
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FitProvenance:
+    """Command, mapping by hash, versions, seed."""
+
+    command: str
+    mapping: str | None
+    mapping_sha256: str | None
+    versions: dict[str, str]  #: by package, Python first
+    seed: int
+
+
+def fit_result_json(study: FitStudy, origin: FitProvenance) -> str:
+    """Write everything as JSON, keys sorted, floats at full precision; what is not finite is null."""
+    return json.dumps(finite(_found(study, origin)), indent=1, sort_keys=True, ensure_ascii=False) + "\n"
+
+
+def _found(study: FitStudy, origin: FitProvenance) -> dict[str, Any]:
+    result = study.result
+    shared = [i for i, e in enumerate(result.estimates) if e.name == e.kind]
+    correlation = result.correlation
+    return {
+        "fields": FIELDS,
+        "status": result.status,
+        "converged": result.converged,
+        "controller": result.controller,
+        "signal": "yaw angle",
+        "level": result.level,
+        "loss": result.weighted.loss,
+        "deviance": result.deviance,
+        "samples": result.problem.samples,
+        "fixed": dict(result.problem.model.known),
+        "estimates": [estimate_fields(e) for e in result.estimates],
+        "correlation": {
+            "names": [result.estimates[i].name for i in shared],
+            "matrix": [[float(correlation[i, j]) for j in shared] for i in shared],
+        },
+        "recordings": [_recording(recording) for recording in study.recordings],
+        "provenance": asdict(origin),
+    }
+
+
+def estimate_fields(e: Estimate) -> dict[str, Any]:
+    """One estimate, numbers unrounded."""
+    return {
+        "name": e.name,
+        "kind": e.kind,
+        "owner": owner(e),
+        "unit": e.unit,
+        "value": e.value,
+        "low": e.low,
+        "high": e.high,
+        "standard_error": e.standard_error,
+        "degrees_of_freedom": e.freedom,
+        "bias": e.bias,
+        "method": e.method,
+        "at_bound": e.at_bound,
+        "open_because": e.open_because,
+    }
+
+
+def _recording(recording: RecordingFit) -> dict[str, Any]:
+    trial = recording.trial
+    return {
+        "name": trial.name,
+        "fly": trial.fly,
+        "sha256": trial.source_sha256,
+        "channels": [_channel(channel) for channel in recording.channels],
+    }
+
+
+def _channel(channel: ChannelFit) -> dict[str, Any]:
+    return {
+        "kind": channel.kind,
+        "samples": len(channel.measured),
+        "residual_rms_deg": channel.rms / deg,
+        "noise_sd_deg": channel.noise.standard_deviation / deg,
+        "noise_order": channel.noise.order,
+        "noise_coefficients": channel.noise.coefficients.tolist(),
+    }
+
+
+def estimates_csv(study: FitStudy) -> str:
+    """One row an estimate, columns as `COLUMNS`, SI units and radians; what is not finite is an empty field."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n", extrasaction="ignore")
+    writer.writeheader()
+    for e in study.result.estimates:
+        writer.writerow(_written(estimate_fields(e) | {"level": study.result.level}))
+    return text.getvalue()
+
+
+def _written(row: dict[str, Any]) -> dict[str, Any]:
+    return {key: "" if isinstance(value, float) and not math.isfinite(value) else value for key, value in row.items()}

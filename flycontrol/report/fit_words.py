@@ -1,0 +1,111 @@
+"""How estimates are written: words, symbols, everyday units, as many digits as their error deserves."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from flycontrol.identify.gains.result import Estimate, FitResult
+from flycontrol.report.numbers import ABSENT, fixed
+from flycontrol.units import deg, ms
+
+#: Words, symbol in HTML, unit as written, and its size in the unit of the estimate.
+KINDS: dict[str, tuple[str, str, str, float]] = {
+    "kp": ("proportional gain over inertia", "<i>K</i><sub>P</sub>/<i>I</i>", "1/s²", 1.0),
+    "kd": ("derivative gain over inertia", "<i>K</i><sub>D</sub>/<i>I</i>", "1/s", 1.0),
+    "ki": ("integral gain over inertia", "<i>K</i><sub>I</sub>/<i>I</i>", "1/s³", 1.0),
+    "delay": ("reaction delay", "<i>T</i>", "ms", ms),
+    "damping": ("yaw damping over inertia", "β/<i>I</i>", "1/s", 1.0),
+    "limit": ("largest torque of paddling over inertia", "<i>N</i><sub>max</sub>/<i>I</i>", "1/s²", 1.0),
+    "impulse": ("angular impulse of the perturbation over inertia", "∫<i>N</i><sub>ext</sub>/<i>I</i>", "rad/s", 1.0),
+    "onset_shift": ("shift of the onset", "Δ<i>t</i>", "ms", ms),
+    "initial_yaw": ("yaw at the first sample", "ψ(0)", "deg", deg),
+    "initial_rate": ("yaw rate at the first sample", "ψ̇(0)", "rad/s", 1.0),
+    "heading": ("heading that the fly keeps", "ψ<sub>0</sub>", "deg", deg),
+    "paddling_gain": ("paddling torque an angle over inertia", "γ/<i>I</i>", "1000/s² per rad", 1e3),
+}
+OF_THE_LOOP = ("kp", "kd", "ki", "delay", "damping", "limit", "paddling_gain")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EstimateRow:
+    """One estimate, ready to be read."""
+
+    words: str
+    symbol: str  #: HTML of this module's own making
+    plain: str  #: the symbol as text
+    owner: str  #: fly or recording; empty: all share it
+    value: str
+    interval: str
+    error: str
+    unit: str
+    note: str
+
+
+def estimate_rows(result: FitResult, *, of_the_loop: bool = True) -> list[EstimateRow]:
+    """Estimates of the loop, or those of single recordings; what was fixed comes after."""
+    rows = [_row(e) for e in result.estimates if (e.kind in OF_THE_LOOP) == of_the_loop]
+    known = result.problem.model.known
+    return rows + [_fixed_row(name, known[name]) for name in known if (name in OF_THE_LOOP) == of_the_loop]
+
+
+def _row(e: Estimate) -> EstimateRow:
+    words, symbol, unit, size = KINDS[e.kind]
+    digits = digits_for(e.standard_error / size, e.value / size)
+    ends = [fixed(end / size, digits) if math.isfinite(end) else "open" for end in (e.low, e.high)]
+    notes = [e.open_because] if e.open_because else []
+    notes += ["at its bound"] if e.at_bound else []
+    return EstimateRow(
+        words=words, symbol=symbol, plain=_plain(symbol), owner=owner(e), value=fixed(e.value / size, digits),
+        interval=" to ".join(ends), error=fixed(e.standard_error / size, digits) if _finite(e) else ABSENT, unit=unit,
+        note="; ".join(notes),
+    )  # fmt: skip
+
+
+def _finite(e: Estimate) -> bool:
+    return math.isfinite(e.standard_error)
+
+
+def _fixed_row(name: str, value: float) -> EstimateRow:
+    words, symbol, unit, size = KINDS[name]
+    return EstimateRow(
+        words=words, symbol=symbol, plain=_plain(symbol), owner="", value=f"{value / size:.6g}".replace("-", "−"),
+        interval="fixed", error=ABSENT, unit=unit, note="",
+    )  # fmt: skip
+
+
+def owner(e: Estimate) -> str:
+    """Fly or recording that an estimate belongs to; empty if all share it."""
+    return e.name[len(e.kind) + 1 : -1]
+
+
+def digits_for(error: float, value: float) -> int:
+    """Digits after the point that show two of the error's digits; four of the value's where there is no error."""
+    size = error if math.isfinite(error) and error > 0 else abs(value) / 100
+    if not (math.isfinite(size) and size > 0):
+        return 1
+    return min(max(1 - math.floor(math.log10(size)), 0), 9)
+
+
+def _plain(symbol: str) -> str:
+    for tag, text in (("<sub>", "_"), ("</sub>", ""), ("<i>", ""), ("</i>", "")):
+        symbol = symbol.replace(tag, text)
+    return symbol
+
+
+def paper_table(result: FitResult) -> str:
+    """A table to paste in a paper, in Markdown: what all recordings share, with intervals and units."""
+    level = f"{100 * result.level:g} % interval"
+    lines = [
+        f"| parameter | symbol | estimate | {level} | standard error | unit |",
+        "|---|---|---|---|---|---|",
+    ]
+    for row in estimate_rows(result):
+        cells = (f"{row.words} {row.owner}".strip(), row.plain, row.value, row.interval, row.error, row.unit)
+        lines.append(f"| {' | '.join(cells)} |")
+    trials, flies = result.problem.trials, {trial.fly for trial in result.problem.trials}
+    foot = (
+        f"{result.controller} control of the yaw angle, N_fly = -(K_P psi + K_D psi' + ...)(t - T), restoring gains "
+        f"positive, fitted to {len(trials)} recordings of {len(flies)} flies. Status: {result.status}"
+    )
+    return "\n".join([*lines, "", foot]) + "\n"

@@ -1,0 +1,69 @@
+"""The report of a fit: one small experiment, fitted once."""
+
+import csv
+import io
+import re
+
+import pytest
+from outline import Outline, leaves, read_json
+
+from flycontrol.identify.gains.model import gain_model
+from flycontrol.identify.gains.study import fit_study
+from flycontrol.identify.gains.synthetic import synthetic_experiment
+from flycontrol.report.fit_page import fit_page, fit_provenance
+from flycontrol.report.fit_result import COLUMNS, FIELDS, estimates_csv, fit_result_json
+from flycontrol.report.fit_words import digits_for, paper_table
+
+
+@pytest.fixture(scope="module")
+def study():
+    trials = synthetic_experiment(0, 1).trials[1:3]
+    model = gain_model(estimate=["paddling_gain"], fixed={"initial_yaw": 0.0, "initial_rate": 0.0})
+    return fit_study(trials, model)
+
+
+@pytest.fixture(scope="module")
+def origin(study):
+    return fit_provenance(study, "flycontrol fit demo")
+
+
+def test_every_field_of_the_result_is_documented_and_every_documented_one_is_there(study, origin):
+    found = read_json(fit_result_json(study, origin))
+    fields = found.pop("fields")
+    paths = {re.sub(r"^(fixed|provenance\.versions)\.\w+$", r"\1.*", path) for path in leaves(found)}
+    assert fields == FIELDS
+    assert paths == set(FIELDS)
+
+
+def test_the_table_of_estimates_is_tidy_and_agrees_with_the_fit(study):
+    rows = list(csv.DictReader(io.StringIO(estimates_csv(study))))
+    assert tuple(rows[0]) == COLUMNS
+    for row, e in zip(rows, study.result.estimates, strict=True):
+        assert (row["name"], float(row["value"]), float(row["low"])) == (e.name, e.value, e.low)
+        assert row["name"] == (f"{row['kind']}[{row['owner']}]" if row["owner"] else row["kind"])
+
+
+def test_the_page_is_well_formed_and_says_no_nan(study, origin):
+    page = fit_page(study, origin, with_stability=True)
+    outline = Outline(page)
+    assert not outline.errors
+    assert not outline.open
+    assert len(outline.ids) == len(set(outline.ids))
+    inside = {target[1:] for target in outline.targets if target.startswith("#")}
+    assert inside <= set(outline.ids)
+    assert {"figure-recordings", "figure-residuals", "figure-paddling"} <= set(outline.ids)
+    assert not re.search(r"\b(nan|inf|None)\b", outline.text)
+    assert "http" not in re.sub(r'xmlns="[^"]*"', "", page)
+
+
+def test_the_table_to_paste_holds_every_shared_estimate_with_its_unit(study):
+    lines = paper_table(study.result).splitlines()
+    assert [line.split(" | ")[1] for line in lines[2:7]] == ["K_P/I", "K_D/I", "T", "β/I", "γ/I"]
+    assert lines[4].endswith("| ms |")
+    kp = study.result["kp"]
+    assert f"| {kp.value:.0f} | {kp.low:.0f} to {kp.high:.0f} |" in lines[2]
+
+
+@pytest.mark.parametrize(("error", "digits"), [(38.0, 0), (3.8, 1), (0.38, 2), (0.0996, 3), (float("inf"), 0)])
+def test_two_digits_of_the_error_are_written(error, digits):
+    assert digits_for(error, 3050.0) == digits
