@@ -169,3 +169,11 @@ def _burg(residuals: FloatArray, firsts: NDArray[np.int64], order: int) -> Itera
         yield r
         moved = [(f - r * b, b - r * f) for f, b in zip(forward, backward, strict=True)]
         forward, backward = [f[1:] for f, _ in moved], [b[:-1] for _, b in moved]
+
+
+def drawn(noise: Noise, firsts: NDArray[np.int64], n: int, rng: np.random.Generator) -> FloatArray:
+    """Noise (n,) as described, begun anew at each stretch, in the channel's unit."""
+    out = noise.deviation * rng.standard_normal(n)
+    if noise.order:
+        kernels.coloured(out.copy(), firsts, noise.pacf, out)
+    return out

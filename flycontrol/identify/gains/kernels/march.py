@@ -7,7 +7,9 @@ import numpy as np
 
 NODES = 14
 #: Sums may be regrouped, so that they run in lanes; infinities keep their meaning (no saturation).
-COMPILED = {"cache": True, "error_model": "numpy", "fastmath": {"reassoc", "contract", "nsz"}}
+# No fastmath: a caller's copy of a kernel may be optimised otherwise than the kernel alone, and which copy a process
+# uses depends on which it loaded first; with exact arithmetic all copies give the same bytes, and no less swiftly.
+COMPILED = {"cache": True, "error_model": "numpy"}
 KP, KD, KI, DELAY, B, LIMIT, IMPULSE, SHIFT, YAW, RATE, HEADING, GAMMA = range(12)
 PARAMETERS = 12
 

@@ -85,3 +85,21 @@ def restricted(rows, firsts, pacf, work):
     left = max(gram[0, 0], 1e-300)
     freedom = n - rank
     return freedom * np.log(left / freedom) + logs + determinant, left / freedom
+
+
+@numba.njit(cache=True, error_model="numpy")
+def coloured(innovations, firsts, pacf, out):
+    """The inverse of `whitened` for one row (n,): noise whose prediction errors are the innovations."""
+    order = len(pacf)
+    table = np.zeros((order, order))
+    variances = coefficients(pacf, table)
+    n = len(innovations)
+    for s in range(len(firsts)):
+        first = firsts[s]
+        last = firsts[s + 1] if s + 1 < len(firsts) else n
+        for i in range(first, last):
+            known = min(i - first, order)
+            value = innovations[i] * np.sqrt(variances[known])
+            for j in range(known):
+                value += table[known - 1, j] * out[i - 1 - j]
+            out[i] = value
