@@ -108,3 +108,9 @@ def test_bad_input_is_refused_before_anything_is_written(refused, tmp_path):
         "--recording", "a", "--mapping", "nope", "--out", out
     )
     assert "name the recording too" in refused("--mapping", "muijres_freeflight", "--out", out)
+
+
+def test_a_recording_of_the_body_alone_is_refused_by_what_it_lacks(refused, real_data, tmp_path):
+    take_off = real_data / "fontaine_takeoff" / "exp035c.csv"
+    sentence = refused("--recording", take_off, "--mapping", "fontaine_takeoff", "--out", tmp_path / "out")
+    assert "the mapping reads the body's motion alone" in sentence

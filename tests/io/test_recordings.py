@@ -491,3 +491,9 @@ def test_a_mapping_is_read_by_name_by_path_or_taken_as_it_is(flight, written, tm
     for recording in recordings:
         np.testing.assert_array_equal(recording.left.pitch, recordings[0].left.pitch)
         assert recording.notes["mapping_sha256"] == recordings[0].notes["mapping_sha256"]
+
+
+def test_a_wrong_mapping_on_a_table_without_names_is_refused_in_a_short_sentence(real_data):
+    said = refusal(real_data / "muijres_freeflight" / "20121128_S0003.txt", "fontaine_takeoff")
+    assert "is the format in the mapping right?" in said
+    assert len(said) < 500

@@ -128,3 +128,11 @@ def test_the_closed_form_largest_delay_puts_a_root_on_the_imaginary_axis(b, kp, 
 def test_the_closed_form_refuses_gains_that_are_unstable_without_delay(b, kp, kd):
     with pytest.raises(InvalidParameterError, match="kp > 0 and b"):
         largest_stable_delay(b, kp, kd)
+
+
+def test_the_best_proportional_control_stands_on_a_cliff_and_says_so():
+    best = fastest_proportional(B, T, TASK)
+    loop = YawLoop.from_rates(b=B, kp=1.01 * best.kp, kd=0.0, delay=T)
+    beyond = recovery_time(loop, pulse_for_peak(loop, T / 3, TASK.peak), TASK.tolerance)
+    assert best.nearby >= beyond * (1 - 1e-9)
+    assert best.nearby > 1.3 * best.recovery_time

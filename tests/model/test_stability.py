@@ -67,3 +67,11 @@ def test_a_modes_figures_are_those_of_its_root():
     assert mode.time_constant == pytest.approx(1 / 30.0)
     assert mode.frequency == pytest.approx(40.0 / (2 * np.pi))
     assert mode.damping_ratio == pytest.approx(0.6)
+
+
+def test_a_loop_too_slow_to_follow_is_stable_without_a_recovery_and_says_why():
+    slow = assess(YawLoop.from_rates(b=69.0, kp=0.5, kd=45.0, delay=T), TASK)
+    assert slow.stable
+    assert slow.margins is not None
+    assert slow.recovery_time is None
+    assert "not settled" in slow.reason
