@@ -51,7 +51,8 @@ format: $(VENV)/check.stamp
 	$(BIN)/ruff format .
 
 bench: $(VENV)/bench.stamp
-	$(BIN)/python -m pytest benchmarks --benchmark-enable --benchmark-only -m "slow or not slow"
+	$(BIN)/python -m pytest benchmarks --benchmark-enable --benchmark-only --benchmark-timer=time.process_time \
+	  -m "slow or not slow"
 
 $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)

@@ -15,11 +15,12 @@ import scoreboard  # noqa: E402
 ROWS = pytest.StashKey[list]()
 FOLDER = Path(__file__).resolve().parents[1] / "reports" / "bench"
 FOOTNOTE = """
-Every tool ran on the same single core in the same run. Setup precedes the first run and can be kept (compiling,
-building the loop); median and least are of repeated runs after warm-up, without the garbage collector. For each use
-of a peer: its fastest setting within each level of error. The last column is a peer's time over flycontrol's;
-flycontrol's error is below every level, so a row at a coarser error flatters the peer. Roots are timed from the
-loop's constants to the roots.
+Every tool ran on the same single core in the same run, in one thread. Times are CPU times, which on a quiet machine are
+wall times; commands show both. Setup precedes the first run and can be kept (compiling, building the loop); median and
+least are of repeated runs after warm-up, without the garbage collector. For each use of a peer: its fastest setting
+within each level of error. The last column is a time over that of flycontrol's first row of the job, whose error is
+below every level, so that a row at a coarser error flatters the peer. Roots and charts are timed from the loop's
+constants to the answer.
 """
 
 

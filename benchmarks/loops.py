@@ -31,10 +31,10 @@ def proof(loop, order):
     return stability_certificate(closed_loop(loop), order)
 
 
-def chart(problem, system_at):
+def chart(problem, system_at, **options):
     """Whether the loop is stable at each gain, row by row in kd."""
     kp, kd = (Axis(name, unit, problem[name]) for name, unit in (("kp", "1/s^2"), ("kd", "1/s")))
-    return stability_chart(system_at(problem["b"], problem["T"]), kp, kd).stable.ravel()
+    return stability_chart(system_at(problem["b"], problem["T"]), kp, kd, **options).stable.ravel()
 
 
 def as_systems(b, T):
@@ -42,5 +42,6 @@ def as_systems(b, T):
 
 
 def as_blocks(b, T):
+    """Blocks of one loop, or of many where kp and kd are arrays."""
     A, B2, D22, tau = np.array([[0.0, 1.0], [0.0, -b]]), np.array([[0.0], [-1.0]]), np.zeros((1, 1)), np.array([T])
-    return lambda kp, kd: CharacteristicBlocks(A, B2, np.array([[kp, kd]]), D22, tau)
+    return lambda kp, kd: CharacteristicBlocks(A, B2, np.stack([kp, kd], axis=-1)[..., None, :], D22, tau)

@@ -84,11 +84,15 @@ def numbers_right_of(
             last += 1
         run = slice(first, last)
         if len(systems[first].A) > 0:
-            A, B2, C2, D22, tau = stacked(systems[run])
-            at = np.array(lines[run], dtype=np.float64)
-            found.roots[run], found.steps[run] = winding.count_each(A, B2, C2, D22, tau, at, MOST_STEPS)
+            counted = numbers_of_stack(stacked(systems[run]), np.array(lines[run], dtype=np.float64))
+            found.roots[run], found.steps[run] = counted
         first = last
     return found
+
+
+def numbers_of_stack(blocks: CharacteristicBlocks, lines: FloatArray) -> RootNumbers:
+    """`counts_right_of` for k systems with states, from `stacked` blocks, which it scales, and lines (k,) [1/s]."""
+    return RootNumbers(*winding.count_each(*blocks, lines, MOST_STEPS))
 
 
 def _shape(system: DelayLTI | CharacteristicBlocks) -> tuple[int, ...]:

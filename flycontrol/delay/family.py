@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -82,6 +82,27 @@ class Family:
             except NeutralSystemError as refusal:
                 raise NeutralSystemError(f"At {_written(place)}: {refusal}") from refusal
         return member
+
+    def stack(self, points: FloatArray) -> CharacteristicBlocks:
+        """Blocks at k points (k, p) from one call with p arrays (k,): each with a leading axis (k, ...), writeable.
+
+        The family returns blocks that have this axis or, where they are the same at all points, do not.
+        """
+        k = len(points)
+        given: Any = self._system_at(*points.T.copy())
+        try:
+            blocks = CharacteristicBlocks(
+                *[np.array(np.broadcast_to(x, (k, *shape))) for x, shape in zip(given, self._shapes, strict=True)]
+            )
+        except (TypeError, ValueError) as refusal:
+            raise InvalidParameterError(
+                f"A batched family must return CharacteristicBlocks for arrays of {k} values: blocks of shapes "
+                f"{self._shapes}, or with {k} as an axis before these."
+            ) from refusal
+        sound = all(np.isfinite(x).all() for x in blocks) and (blocks.tau > 0).all()
+        for i in range(k if np.count_nonzero(blocks.D22) or not sound else 0):
+            require_retarded(without_ports(CharacteristicBlocks(*[x[i] for x in blocks])))  # says what is wrong
+        return blocks
 
     def _fits(self, blocks: CharacteristicBlocks) -> bool:
         return blocks.shapes == self._shapes and all(t > 0 for t in blocks.tau.tolist())

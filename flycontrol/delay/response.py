@@ -45,11 +45,11 @@ class Response:
         InvalidParameterError
             If a time lies outside the range or the times fall.
         """
-        t = np.atleast_1d(np.asarray(times, dtype=np.float64))
-        slack = 1e-12 * self.end
-        if not (t[0] >= self.starts[0] - slack and t[-1] <= self.end + slack and (t[1:] >= t[:-1]).all()):
+        t = np.array(times, dtype=np.float64, ndmin=1)
+        end = self.end
+        if not (t[0] >= self.starts[0] - 1e-12 * end and t[-1] <= end * (1 + 1e-12) and (t[1:] >= t[:-1]).all()):
             raise InvalidParameterError(
-                f"Times must rise within 0..{self.end:g} s, got {t.min():g}..{t.max():g} s; ask for a longer response."
+                f"Times must rise within 0..{end:g} s, got {t.min():g}..{t.max():g} s; ask for a longer response."
             )
         return kernels.sample(self.starts, self.lengths, self.series, t)
 
@@ -100,7 +100,7 @@ def response(
         raise InvalidParameterError(f"The end of a response must be > 0 s, got {end!r}.")
     plant = as_delay_lti(system)
     require_retarded(plant)
-    steps = np.atleast_1d(np.asarray(edges, dtype=np.float64))
+    steps = np.array(edges, dtype=np.float64, ndmin=1)
     values = np.zeros((len(steps), plant.n_inputs)) if inputs is None else np.asarray(inputs, dtype=np.float64)
     if values.ndim == 1:
         values = values[:, None]
@@ -111,17 +111,18 @@ def response(
             "Inputs must be finite with one row an edge and one column an input, shape "
             f"{(len(steps), plant.n_inputs)}, got shape {values.shape}."
         )
-    x0 = np.zeros(plant.n_states) if initial_state is None else np.array(initial_state, dtype=np.float64)
+    if initial_state is None:
+        return Response(*_march(plant, float(end), steps, values, np.zeros(plant.n_states), np.zeros(plant.n_delays)))
+    x0 = np.array(initial_state, dtype=np.float64)
     if x0.shape != (plant.n_states,) or not np.isfinite(x0).all():
         raise InvalidParameterError(f"The initial state must be {plant.n_states} finite numbers, got {x0.tolist()!r}.")
-    return Response(*_march(plant, float(end), steps, values, x0))
+    return Response(*_march(plant, float(end), steps, values, x0, constant_history(plant, x0)))
 
 
 def _march(
-    system: DelayLTI, end: float, edges: FloatArray, inputs: FloatArray, x0: FloatArray
+    system: DelayLTI, end: float, edges: FloatArray, inputs: FloatArray, x0: FloatArray, history: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     s = system
-    history = constant_history(s, x0)
     # copies are writeable and contiguous, so that one compiled signature serves every caller
     C1, C2, tau = s.C1.copy(), s.C2.copy(), s.tau.copy()
     D11, D12, D21, D22 = s.D11.copy(), s.D12.copy(), s.D21.copy(), s.D22.copy()

@@ -149,6 +149,43 @@ def test_progress_is_told_for_every_row_and_part():
     assert told[-1][2] == "boundary"
 
 
+def pd_blocks(kp, kd, T) -> CharacteristicBlocks:
+    """Of one loop, or of many where parameters are arrays (k,)."""
+    C2 = np.stack([kp, kd], axis=-1)[..., None, :]
+    return CharacteristicBlocks(
+        np.array([[0.0, 1.0], [0.0, -B]]), np.array([[0.0], [-1.0]]), C2, np.zeros((1, 1)), np.asarray(T)[..., None]
+    )
+
+
+def test_a_batched_family_has_the_chart_of_its_members_one_by_one():
+    quantities = ("unstable_roots", "decay_rate")
+    one = stability_chart(lambda kp, kd: pd_blocks(kp, kd, T), KP, KD, quantities)
+    many = stability_chart(lambda kp, kd: pd_blocks(kp, kd, T), KP, KD, quantities, batched=True)
+    np.testing.assert_array_equal(many.unstable_roots, one.unstable_roots)
+    np.testing.assert_array_equal(many.decay_rate, one.decay_rate)
+    lag = Axis("T", "s", np.linspace(0.002, 0.06, 25))
+    scaled = stability_chart(lambda f, T: pd_blocks(3050 * f, 45 * f, T), Axis("f", "", [0.5, 1.0]), lag, batched=True)
+    exact = [largest_delay(B, 3050 * f, 45 * f) for f in (0.5, 1.0)]
+    np.testing.assert_array_equal(scaled.stable, lag.values[:, None] < exact)
+
+
+def test_a_batched_family_that_does_not_fit_is_refused_in_a_sentence():
+    def first_only(kp, kd) -> CharacteristicBlocks:
+        return pd_blocks(np.ravel(kp)[:3], np.ravel(kd)[:3], T) if np.ndim(kp) else pd_blocks(kp, kd, T)
+
+    def echo(kp, kd) -> CharacteristicBlocks:
+        return pd_blocks(kp, kd, T)._replace(D22=np.full((1, 1), 0.5) * (np.ndim(kp) > 0))
+
+    with pytest.raises(InvalidParameterError, match="for arrays of 14 values: blocks of shapes"):
+        stability_chart(first_only, KP, KD, batched=True)
+    with pytest.raises(InvalidParameterError, match="for arrays of 14 values"):
+        stability_chart(lambda kp, kd: closed(np.max(kp), np.max(kd)), KP, KD, batched=True)
+    with pytest.raises(InvalidParameterError, match=r"tau must be > 0 s"):
+        stability_chart(lambda kp, kd: pd_blocks(kp, kd, T - 2e-6 * kp), KP, KD, batched=True)
+    with pytest.raises(NeutralSystemError, match="neutral type"):
+        stability_chart(echo, KP, KD, batched=True)
+
+
 def test_wrong_use_is_refused_in_a_sentence():
     with pytest.raises(InvalidParameterError, match=r"no quantity 'speed'; choose from unstable_roots"):
         stability_chart(closed, KP, KD, ("speed",))  # pyright: ignore
