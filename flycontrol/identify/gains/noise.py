@@ -78,7 +78,7 @@ def estimate(rows: FloatArray, firsts: NDArray[np.int64], order: int) -> Noise:
         Indices at which stretches without gap begin.
     """
     size = np.maximum(np.sqrt(np.mean(rows**2, axis=1)), 1e-300)
-    likelihood = _Likelihood(np.ascontiguousarray(rows / size[:, None]), firsts)
+    likelihood = _Likelihood(np.ascontiguousarray(rows / size[:, None]), firsts, order)
     freedom = max(rows.shape[1] - rows.shape[0] + 1, 1)
     if order == 0:
         _, variance = likelihood(np.zeros(0))
@@ -96,11 +96,11 @@ def estimate(rows: FloatArray, firsts: NDArray[np.int64], order: int) -> Noise:
 class _Likelihood:
     """Minus twice the restricted log likelihood of z, and the innovations' variance."""
 
-    def __init__(self, rows: FloatArray, firsts: NDArray[np.int64]) -> None:
-        self.rows, self.firsts, self.work = rows, firsts, np.empty_like(rows)
+    def __init__(self, rows: FloatArray, firsts: NDArray[np.int64], order: int) -> None:
+        self.products, self.samples = kernels.lagged(rows, firsts, order), rows.shape[1]
 
     def __call__(self, z: FloatArray) -> tuple[float, float]:
-        value, variance = kernels.restricted(self.rows, self.firsts, np.tanh(z), self.work)
+        value, variance = kernels.restricted(*self.products, self.samples, np.tanh(z))
         return float(value), float(variance)
 
     def slope_of_variance(self, z: FloatArray) -> FloatArray:

@@ -50,7 +50,7 @@ def locate_pulse(trial: Trial, duration: float = 4.5e-3) -> Pulse:
     problem = fit_problem([replace(trial, perturbation=None)], gain_model(fixed={"initial_yaw": 0.0}))
     regression = regressions_of(problem)[0]
     n, start = len(regression.integrals[0]), float(problem.parts[0].channels[0].times[0])
-    times = start + regression.step * np.arange(n)
+    times = start + regression.step * np.arange(n, dtype=np.float64)
     onsets = np.linspace(
         times[0] + _EARLIEST * (times[-1] - times[0]), times[0] + _LATEST * (times[-1] - times[0]), _ONSETS
     )

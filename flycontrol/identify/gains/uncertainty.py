@@ -75,7 +75,7 @@ def _freedom(weighted: WeightedProblem, x: FloatArray, C: FloatArray) -> FloatAr
         for rows, channel, noise in zip(predicted, part.channels, noises, strict=True):
             slopes = np.array([_slope(C[:, part.places], H) for H in _information_slopes(rows[1:], channel, noise)])
             variance += np.einsum("ai,ab,bi->i", slopes, noise.uncertainty, slopes)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         found = 2.0 * np.diag(C) ** 2 / variance
     return np.clip(np.nan_to_num(found, nan=1.0, posinf=1e6), 1.0, 1e6)
 

@@ -6,6 +6,7 @@ import numba
 import numpy as np
 
 NODES = 14
+MOST_PANELS = 2000  #: besides the images of edges; only a search astray meets rates that would need more
 #: Sums may be regrouped, so that they run in lanes; infinities keep their meaning (no saturation).
 # No fastmath: a caller's copy of a kernel may be optimised otherwise than the kernel alone, and which copy a process
 # uses depends on which it loaded first; with exact arithmetic all copies give the same bytes, and no less swiftly.
@@ -232,7 +233,8 @@ def march(p, active, start, end, majors, minors, drive, wants_fly, rule):
     nodes, integral, to_series = rule[0], rule[1], rule[2]
     knots = drive[0] + p[SHIFT]
     kp, kd, ki, b = p[KP], p[KD], p[KI], p[B]
-    longest = min(3.0 / (abs(b) + abs(kd) + np.sqrt(abs(kp)) + abs(ki) ** (1.0 / 3.0) + 1e-9), end - start)
+    quickest = abs(b) + abs(kd) + np.sqrt(abs(kp)) + abs(ki) ** (1.0 / 3.0) + 1e-9
+    longest = max(min(3.0 / quickest, end - start), (end - start) / MOST_PANELS)
     edges = panel_edges(start, end, p[DELAY], majors + p[SHIFT], minors + p[SHIFT], longest)
     n, m = len(edges) - 1, 1 + len(active)
     yaw, fly = np.empty((n, m, NODES)), np.empty((n if wants_fly else 0, m, NODES))

@@ -56,23 +56,71 @@ def whitened(rows, firsts, pacf, out):
 
 
 @numba.njit(cache=True, error_model="numpy")
-def restricted(rows, firsts, pacf, work):
+def lagged(rows, firsts, order):
+    """Products of rows (c, n) at lags i and j, (order + 1, order + 1, c, c), and the heads of all stretches.
+
+    Products run over the samples that have `order` earlier ones in their stretch; heads (s, c, order) are the others,
+    `held` (s,) how many of them a stretch has.
+    """
+    c, n = rows.shape
+    products = np.zeros((order + 1, order + 1, c, c))
+    heads, held = np.zeros((len(firsts), c, order)), np.zeros(len(firsts), dtype=np.int64)
+    for s in range(len(firsts)):
+        first = firsts[s]
+        last = firsts[s + 1] if s + 1 < len(firsts) else n
+        held[s] = min(order, last - first)
+        heads[s, :, : held[s]] = rows[:, first : first + held[s]]
+        for i in range(order + 1):
+            for j in range(i + 1):
+                for a in range(c):
+                    for e in range(c):
+                        total = 0.0
+                        for t in range(first + order, last):
+                            total += rows[a, t - i] * rows[e, t - j]
+                        products[i, j, a, e] += total
+    for i in range(order + 1):
+        for j in range(i):
+            products[j, i] = products[i, j].T
+    return products, heads, held
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _gram(products, heads, held, pacf):
+    """Products of the whitened rows (c, c), and the sum of the logarithms of the relative variances."""
+    order, c = len(pacf), products.shape[2]
+    table = np.zeros((order, order))
+    variances = coefficients(pacf, table)
+    weights = np.ones(order + 1)
+    for i in range(order):
+        weights[i + 1] = -table[order - 1, i]
+    gram, logs = np.zeros((c, c)), 0.0
+    for i in range(order + 1):
+        for j in range(order + 1):
+            gram += weights[i] * weights[j] * products[i, j]
+    error = np.empty(c)
+    for s in range(len(held)):
+        for i in range(held[s]):
+            logs += np.log(variances[i])
+            for a in range(c):
+                error[a] = heads[s, a, i]
+                for j in range(i):
+                    error[a] -= table[i - 1, j] * heads[s, a, i - 1 - j]
+            for a in range(c):
+                for e in range(c):
+                    gram[a, e] += error[a] * error[e] / variances[i]
+    return gram, logs
+
+
+@numba.njit(cache=True, error_model="numpy")
+def restricted(products, heads, held, samples, pacf):
     """Minus twice the restricted log likelihood, the innovations' variance profiled out; that variance.
 
-    rows (1 + p, n): residuals, then the derivatives of the model; what derivatives can explain is projected out.
+    From the products of rows: residuals, then the derivatives of the model; what these can explain is projected out.
     """
-    logs = whitened(rows, firsts, pacf, work)
-    c, n = rows.shape
-    gram = np.empty((c, c))
-    for a in range(c):
-        for e in range(a + 1):
-            total = 0.0
-            for i in range(n):
-                total += work[a, i] * work[e, i]
-            gram[a, e] = total
+    gram, logs = _gram(products, heads, held, pacf)
     determinant, rank = 0.0, 0
     sizes = np.diag(gram).copy()
-    for a in range(c - 1, 0, -1):  # eliminate the derivatives, last first: what remains is the residuals' share
+    for a in range(len(gram) - 1, 0, -1):  # eliminate the derivatives, last first: the residuals' share remains
         pivot = gram[a, a]
         if pivot <= 1e-12 * sizes[a] or sizes[a] < 1e-200:  # this channel says nothing new of the parameter
             continue
@@ -80,10 +128,10 @@ def restricted(rows, firsts, pacf, work):
         determinant += np.log(pivot)
         for e in range(a):
             f = gram[a, e] / pivot
-            for d in range(e + 1):
+            for d in range(a):
                 gram[e, d] -= f * gram[a, d]
     left = max(gram[0, 0], 1e-300)
-    freedom = n - rank
+    freedom = samples - rank
     return freedom * np.log(left / freedom) + logs + determinant, left / freedom
 
 
