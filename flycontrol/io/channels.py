@@ -57,6 +57,8 @@ class RecordingMapping:
     format: FileFormat
     orientation: Orientation
     count: int | None  #: of channels in the file
+    separator: str | None = None  #: of the fields of a text table; None: white space
+    decimal_comma: bool = False
     clock: Clock
     world_z: Literal["up", "down"] | None
     body_axes: Literal["forward right down", "forward left up"]

@@ -24,7 +24,7 @@ from flycontrol.io.formats import (
 from flycontrol.io.mapping import known_mapping, shipped_mappings
 from flycontrol.io.places import Orientation
 from flycontrol.io.recordings import read_recording
-from flycontrol.io.tables import Line, TextTable, is_number, split_lines, text_table
+from flycontrol.io.tables import SEPARATORS, Line, TextTable, is_number, split_lines, text_table
 from flycontrol.io.text_files import TextFile, read_text_file
 
 FloatArray = NDArray[np.float64]
@@ -128,11 +128,11 @@ def _fits(path: Path | str, name: str) -> bool:
 
 def _layout(file: TextFile) -> tuple[TextFormat, list[Line]]:
     for form in TEXT_FORMATS:
-        lines = split_lines(file, form)
+        lines = split_lines(file, SEPARATORS[form])
         widths = {len(line.fields) for line in lines}
         if len(widths) == 1 and widths != {1}:
             return form, lines
-    return "whitespace", split_lines(file, "whitespace")
+    return "whitespace", split_lines(file, None)
 
 
 def _orientation(lines: list[Line]) -> Orientation:

@@ -38,7 +38,7 @@ def read_experiment(tables: MappingFile, read: ChannelReader) -> Experiment:
         fly=read.label(trial.fly, "trial.fly"),
         cut_at_gaps=trial.gaps == "cut",
         perturbation=None if tables.perturbation is None else _perturbation(tables.perturbation, read),
-        paddling=None if tables.paddling is None else _paddling(tables.paddling, read),
+        paddling=None if tables.paddling is None else _paddling(_with_pitches(tables), read),
     )
 
 
@@ -148,6 +148,15 @@ def _paddling(table: PaddlingTable, read: ChannelReader) -> PaddlingMapping:
         right=read.channel(table.right, ANGLE, "paddling.right"),
         stroke=read.channel(table.stroke, ANGLE, "paddling.stroke"),
     )
+
+
+def _with_pitches(tables: MappingFile) -> PaddlingTable:
+    """Return the table of paddling, with the pitches of [left] and [right] where it names no wings of its own."""
+    paddling = tables.paddling or PaddlingTable(convention="wing pitch")
+    own = paddling.convention != "wing pitch" or paddling.left is not None or paddling.right is not None
+    if own or tables.left is None or tables.right is None:
+        return paddling
+    return paddling.model_copy(update={"left": tables.left.pitch, "right": tables.right.pitch})
 
 
 def _own_channel(table: PaddlingTable) -> ChannelTable:

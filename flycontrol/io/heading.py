@@ -99,8 +99,8 @@ def _unwrapped(yaw: FloatArray, time: FloatArray, where: Callable[[int], str]) -
     continuous = np.full_like(yaw, np.nan)
     continuous[known] = np.unwrap(yaw[known])
     step = np.abs(np.diff(continuous[known]))
-    longer_way = (2 * np.pi - step) / np.diff(time[known])
-    return Heading(continuous, known[1:][longer_way <= FASTEST_YAW], where)
+    ambiguous = 2 * np.pi - step <= FASTEST_YAW * np.diff(time[known])
+    return Heading(continuous, known[1:][ambiguous], where)
 
 
 def refuse_ambiguous(heading: Heading, time: FloatArray) -> None:

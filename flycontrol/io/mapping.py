@@ -68,6 +68,8 @@ def _resolved(toml: TomlFile) -> RecordingMapping:
         name=tables.name,
         format=tables.file.format,
         orientation=orientation,
+        separator=_separator(tables.file, toml),
+        decimal_comma=tables.file.decimal == ",",
         count=tables.file.count,
         clock=read.clock(tables.clock),
         world_z=tables.frames.world_z,
@@ -106,6 +108,24 @@ def _orientation(file: FileTable, toml: TomlFile) -> Orientation:
             "and file.count."
         )
     return "variables"
+
+
+def _separator(file: FileTable, toml: TomlFile) -> str | None:
+    """What separates the fields of a line; None: white space, or there are no lines."""
+    if (file.separator is not None or file.decimal == ",") and file.format not in TEXT_FORMATS:
+        raise InvalidInputError(
+            f"{toml.where('file')}: a {file.format} file has neither separators nor decimal commas; leave out "
+            "file.separator and file.decimal."
+        )
+    if file.separator is not None and file.format != "csv":
+        raise InvalidInputError(f"{toml.where('file', 'separator')}: file.separator is for csv, not {file.format}.")
+    separator = file.separator or {"csv": ",", "tsv": "\t"}.get(file.format)
+    if separator == "," and file.decimal == ",":
+        raise InvalidInputError(
+            f"{toml.where('file', 'decimal')}: commas cannot both separate the fields and mark the decimals; "
+            "say file.separator = ';' if that is what the file has."
+        )
+    return separator
 
 
 def _notes(tables: MappingFile, toml: TomlFile) -> dict[str, str]:
@@ -168,7 +188,8 @@ def _count_fault(mapping: RecordingMapping) -> str:
 def _channels_fault(mapping: RecordingMapping) -> str:
     mapped: dict[int | str | VariablePlace, str] = {}
     for channel in (*mapping.channels(), *mapping.scalars()):
-        if channel.place in mapped:
+        again = f"{channel.key.removeprefix('paddling.')}.pitch"  # [paddling] may share the pitches of both wings
+        if channel.place in mapped and mapped[channel.place] != again:
             kind = mapping.orientation.removesuffix("s")
             place = channel.place if isinstance(channel.place, VariablePlace) else repr(channel.place)
             return f"{kind} {place} is mapped both to {mapped[channel.place]} and to {channel.key}"

@@ -28,6 +28,8 @@ class FileTable(Table):
     format: FileFormat
     channels: Literal["rows", "columns"] | None = None  #: of a table; the variables of other files have names
     count: Annotated[int, Field(gt=0)] | None = None  #: of channels in the file; another count is refused
+    separator: Literal[",", ";", "|"] | None = None  #: of a csv file's fields, a comma unless it is said
+    decimal: Literal[".", ","] = "."
 
 
 class PlaceTable(Table):

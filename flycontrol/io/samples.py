@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from difflib import get_close_matches
 
@@ -49,7 +50,9 @@ def read_samples(table: Table, channel: Channel, *, missing: bool = False) -> Sa
     """
     index = index_of(table, channel.place, channel.key, channel.where)
     numbers = table.numbers[index]
-    samples = Samples(table, channel, index, channel.offset + channel.sign * (channel.factor * numbers))
+    with np.errstate(over="ignore", invalid="ignore"):  # what becomes infinite, or is a NaN that signals, is met below
+        values = channel.offset + channel.sign * (channel.factor * numbers)
+    samples = Samples(table, channel, index, values)
     for sample in np.flatnonzero(~(np.abs(numbers) < LARGEST)):
         text = table.text(index, int(sample)).strip()
         if not (missing and text.lower() in _MISSING):
@@ -96,5 +99,7 @@ def _listed(names: tuple[str, ...]) -> str:
     """The first names, cut short: a table without names, split wrongly, passes a whole row of numbers for one."""
     shown = [name if len(name) <= _LONGEST_NAME else f"{name[:_LONGEST_NAME]}..." for name in names[:_LISTED]]
     more = f" and {len(names) - _LISTED} more" if len(names) > _LISTED else ""
-    format_hint = " (is the format in the mapping right?)" if any(len(n) > _LONGEST_NAME for n in names) else ""
+    unsplit = len(names) == 1 and re.search(r"[;,|\t]", names[0]) is not None
+    wrong = unsplit or any(len(name) > _LONGEST_NAME for name in names)
+    format_hint = " (is the format in the mapping right?)" if wrong else ""
     return ", ".join(shown) + more + format_hint

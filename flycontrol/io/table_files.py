@@ -62,7 +62,7 @@ def read_tables(path: Path, mapping: RecordingMapping, contents: Contents, reade
     if mapping.format in ("csv", "tsv", "whitespace"):
         if mapping.orientation == "variables":
             raise InvalidInputError(f"{path}: a text table has rows or columns.")
-        table = read_text_table(path, mapping.format, mapping.orientation)
+        table = read_text_table(path, mapping.separator, mapping.orientation, decimal_comma=mapping.decimal_comma)
         _refuse_other_count(table, mapping)
         return [table]
     file = binary_file(path, mapping.format)

@@ -20,7 +20,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 _LINE_END = re.compile(r"\r\n|\r|\n")
-_DELIMITERS = {"csv": ",", "tsv": "\t"}
+SEPARATORS: dict[TextFormat, str | None] = {"csv": ",", "tsv": "\t", "whitespace": None}
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,10 +69,12 @@ class TextTable:
         return replace(self, lines=[self.lines[k] for k in samples], numbers=self.numbers[:, samples])
 
 
-def read_text_table(path: Path, form: TextFormat, orientation: Orientation) -> TextTable:
+def read_text_table(
+    path: Path, separator: str | None, orientation: Orientation, *, decimal_comma: bool = False
+) -> TextTable:
     """Read a table of numbers; a first line (channels in columns) or first field (in rows) without numbers names them.
 
-    Empty lines and lines that begin with # are skipped.
+    Empty lines and lines that begin with # are skipped. Without a separator, white space separates the fields.
 
     Raises
     ------
@@ -80,11 +82,15 @@ def read_text_table(path: Path, form: TextFormat, orientation: Orientation) -> T
         If the file cannot be read, holds no numbers, or its lines differ in length.
     """
     file = read_text_file(path)
-    return text_table(file, split_lines(file, form), orientation)
+    return text_table(file, split_lines(file, separator), orientation, decimal_comma=decimal_comma)
 
 
-def text_table(file: TextFile, lines: list[Line], orientation: Orientation) -> TextTable:
+def text_table(
+    file: TextFile, lines: list[Line], orientation: Orientation, *, decimal_comma: bool = False
+) -> TextTable:
     """Turn split lines into numbers by channel; refused like `read_text_table`."""
+    if decimal_comma:
+        lines = [Line(line.number, [_with_point(field) for field in line.fields]) for line in lines]
     _refuse_ragged(file, lines)
     names: tuple[str, ...] = ()
     first_field = 0
@@ -107,14 +113,14 @@ def text_table(file: TextFile, lines: list[Line], orientation: Orientation) -> T
     )
 
 
-def split_lines(file: TextFile, form: TextFormat) -> list[Line]:
+def split_lines(file: TextFile, separator: str | None) -> list[Line]:
     """Split a file into lines of fields; InvalidInputError if nothing is left."""
     numbered = enumerate(_LINE_END.split(file.text), start=1)
     filled = [(number, text) for number, text in numbered if text.strip() and not text.lstrip().startswith("#")]
-    if form == "whitespace":
+    if separator is None:
         lines = [Line(number, text.split()) for number, text in filled]
     else:
-        lines = _separated(file, filled, _DELIMITERS[form])
+        lines = _separated(file, filled, separator)
     if not lines:
         raise InvalidInputError(f"{file.name} holds only comments; a table of numbers is needed.")
     return lines
@@ -123,6 +129,12 @@ def split_lines(file: TextFile, form: TextFormat) -> list[Line]:
 def is_number(text: str) -> bool:
     """Whether a field reads as a number, NaN and infinity included."""
     return not math.isnan(_number(text)) or text.strip().lower() in {"nan", "-nan", "+nan"}
+
+
+def _with_point(field: str) -> str:
+    """Write a number that has a decimal comma with a point; leave all else as it is, 1.234,5 too, which is refused."""
+    pointed = field.replace(",", ".", 1)
+    return pointed if "." not in field and is_number(pointed) else field
 
 
 def _chosen(fields: list[str], first: int, samples: IntArray) -> list[str]:

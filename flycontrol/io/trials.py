@@ -101,9 +101,13 @@ def _trial(table: Table, mapping: RecordingMapping, name: str) -> Trial:
         perturbation=perturbation,
         paddling=read_paddling(table, experiment.paddling, clock.time),
         source_sha256=table.file.sha256,
-        notes=mapping.notes | {"mapping_sha256": mapping.sha256},
+        notes=mapping.notes | {"mapping_sha256": mapping.sha256, "yaw": _angle_meant(mapping)},
     )
     return _cut(trial, heading)
+
+
+def _angle_meant(mapping: RecordingMapping) -> str:
+    return "direction of the nose, from the attitude" if mapping.yaw is None else "as mapped"
 
 
 def _cut(trial: Trial, heading: Heading) -> Trial:

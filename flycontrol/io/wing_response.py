@@ -13,6 +13,7 @@ from flycontrol.io.table_files import Table
 FloatArray = NDArray[np.float64]
 
 LARGEST_PADDLING = np.pi  #: what no attack angle differs by [rad]
+_TURN = 2 * np.pi  #: what no wing turns by [rad]
 
 
 def read_paddling(table: Table, mapping: PaddlingMapping | None, time: FloatArray) -> FloatArray | None:
@@ -33,10 +34,10 @@ def read_paddling(table: Table, mapping: PaddlingMapping | None, time: FloatArra
         return _angle(table, mapping.difference)
     if mapping.convention == "right minus left, forward stroke":
         return 0.5 * _angle(table, mapping.difference)
-    half_difference = 0.5 * (_angle(table, mapping.right) - _angle(table, mapping.left))
+    half_difference = 0.5 * (_angle(table, mapping.right, _TURN) - _angle(table, mapping.left, _TURN))
     if mapping.convention != "attack angle":
         return half_difference
-    return half_difference * _forward(_angle(table, mapping.stroke, limit=2 * np.pi), time)
+    return half_difference * _forward(_angle(table, mapping.stroke, _TURN), time)
 
 
 def _angle(table: Table, channel: Channel | None, limit: float = LARGEST_PADDLING) -> FloatArray:
@@ -52,5 +53,6 @@ def _angle(table: Table, channel: Channel | None, limit: float = LARGEST_PADDLIN
 
 def _forward(stroke: FloatArray, time: FloatArray) -> FloatArray:
     """1 on the forward stroke, -1 on the backward one, NaN where the stroke is missing or stands still."""
-    rate = np.gradient(stroke, time)
+    with np.errstate(over="ignore", invalid="ignore"):  # two times may lie as close as numbers can
+        rate = np.gradient(stroke, time)
     return np.where(rate == 0, np.nan, np.sign(rate))

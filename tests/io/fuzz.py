@@ -26,7 +26,7 @@ from flycontrol.io.recordings import read_recording
 from flycontrol.io.trials import read_file, read_trials
 
 CORPUS = Path(__file__).parent / "corpus"
-TIME_LIMIT = 20  #: for one case; the binary readers' own limit is shorter [s]
+TIME_LIMIT = 120  #: for one case; the binary readers' own limit is shorter [s]
 BINARY_LIMITS = {"seconds": 2.0, "memory": 3 * 2**30}
 
 PULSE = '[perturbation]\nonset = { %s, unit = "ms" }\nduration = "5 ms"\n'

@@ -5,10 +5,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from flycontrol.errors import InvalidInputError
-from flycontrol.io.mapping import known_mapping, read_mapping
+from flycontrol.io.mapping import known_mapping, mapping_text, read_mapping
 from flycontrol.io.recordings import read_recording
 from flycontrol.io.trials import read_trials
+from flycontrol.model.paddling import paddling
 from flycontrol.model.trial import Pulse, TorqueTrace
+from flycontrol.model.wingbeats import segment_wingbeats
 
 RATE = 5000.0
 TIME = np.arange(400) / RATE
@@ -339,6 +341,16 @@ def test_attack_angles_of_both_wings_give_d_alpha_on_both_half_strokes(table, ma
     np.testing.assert_allclose(np.degrees(trial.paddling), d_alpha, rtol=1e-11)
 
 
+def test_paddling_may_be_that_of_the_mapped_wings(real_data, tmp_path):
+    text = mapping_text("muijres_freeflight").replace("[notes]", "[paddling]\nconvention = 'wing pitch'\n\n[notes]")
+    (tmp_path / "map.toml").write_text(text)
+    path = real_data / "muijres_freeflight" / "20121009_S0003.txt"
+    (trial,) = read_trials([path], tmp_path / "map.toml")
+    recording = read_recording(path, "muijres_freeflight")
+    beats = segment_wingbeats(recording)
+    np.testing.assert_allclose(trial.paddling, paddling(recording, beats).series, rtol=1e-12, atol=1e-15)
+
+
 def test_degrees_of_paddling_called_radians_are_refused(table, mapping):
     section = "[paddling]\ncolumn = 'p'\nunit = 'rad'\nconvention = 'd_alpha'\n"
     path = table(t=TIME, yaw=YAW, p=12 * np.cos(TIME))
@@ -421,6 +433,27 @@ def test_a_pattern_without_a_match_and_no_file_at_all_are_refused(tmp_path, mapp
 
 def test_a_file_whose_name_looks_like_a_pattern_is_read(table, mapping):
     assert read_trials([table("a[1].csv")], mapping())[0].name == "a[1]"
+
+
+def test_a_spreadsheet_s_semicolons_and_decimal_commas_are_read_as_the_mapping_says(table, tmp_path):
+    columns = {name: [str(value).replace(".", ",") for value in values] for name, values in (("t", TIME), ("yaw", YAW))}
+    path = table(separator=";", **columns)
+    layout = HEAD + "separator = ';'\ndecimal = ','\n"
+    (tmp_path / "map.toml").write_text(layout + CLOCK + HEADING)
+    np.testing.assert_allclose(np.degrees(read_trials([path], tmp_path / "map.toml")[0].yaw), YAW, rtol=1e-14)
+    columns["yaw"][3] = "1.234,5"
+    said = refusal(table(separator=";", **columns), tmp_path / "map.toml")
+    assert 'yaw is not a usable number ("1.234,5")' in said
+    for wrong, sentence in (
+        (HEAD + "decimal = ','\n", "commas cannot both separate the fields and mark the decimals"),
+        (HEAD.replace("csv", "tsv") + "separator = ';'\n", "file.separator is for csv, not tsv"),
+        (
+            HEAD.replace("csv", "parquet") + "decimal = ','\n",
+            "a parquet file has neither separators nor decimal commas",
+        ),
+    ):
+        (tmp_path / "map.toml").write_text(wrong + CLOCK + HEADING)
+        assert sentence in refusal(path, tmp_path / "map.toml")
 
 
 # What is implausible

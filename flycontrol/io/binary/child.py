@@ -59,7 +59,7 @@ def _opened(request: Request) -> Generator[Source]:
     if request.layout == "matlab 5":
         from flycontrol.io.binary.matlab5 import open_matlab5
 
-        yield open_matlab5(path)
+        yield open_matlab5(path, None if request.summary else _beginnings(request))
     elif request.layout == "netcdf classic":
         from flycontrol.io.binary.netcdf3 import open_netcdf3
 
@@ -80,6 +80,12 @@ def _opened(request: Request) -> Generator[Source]:
 
         with open_hdf5(path, packed=request.form == "netcdf") as source:
             yield source
+
+
+def _beginnings(request: Request) -> list[str]:
+    """Paths from the root of the file: those of the groups, and of what is wanted outside of them."""
+    inside = bool(request.groups)
+    return [*request.groups, *(item.path for item in request.wanted if not inside or item.path.startswith("/"))]
 
 
 def _read(source: Source, request: Request) -> Reply:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -23,6 +23,7 @@ class Matlab5:
     """The variables of a file by name, as scipy reads them: structures are record arrays, cells object arrays."""
 
     variables: dict[str, Any]
+    others: tuple[str, ...] = ()  #: names of variables that nobody asked for
 
     def names(self) -> list[str]:
         """Paths of the variables, those inside structures as "trial.yaw" and "trials(2).yaw"."""
@@ -32,7 +33,7 @@ class Matlab5:
                 found.append(path)
                 if len(found) == MOST_NAMES:
                     return found
-        return found
+        return found + list(self.others)
 
     def value(self, path: str) -> NDArray | str:
         """Follow a path: fields by . or /, elements of an array of structures or of a cell by (k) or {k}, from 1."""
@@ -70,13 +71,20 @@ class Matlab5:
         return {name: inner[name].flat[0] for name in inner.dtype.names} if _is_structure(inner) else {}
 
 
-def open_matlab5(path: Path) -> Matlab5:
-    """Read a file whole; what scipy raises at damaged ones is left to the caller."""
-    from scipy.io import loadmat
+def open_matlab5(path: Path, wanted: Iterable[str] | None) -> Matlab5:
+    """Read the variables in which the wanted paths begin, or all: a film in the same file costs nothing.
 
+    What scipy raises at damaged files is left to the caller.
+    """
+    from scipy.io import loadmat, whosmat
+
+    names = None
+    if wanted is not None and not any("*" in path for path in wanted):
+        names = {re.split(r"[({]", parts(path)[0])[0] for path in wanted if parts(path)}
     with path.open("rb") as file:
-        variables = loadmat(file, spmatrix=False, verify_compressed_data_integrity=True)
-    return Matlab5({name: value for name, value in variables.items() if not name.startswith("__")})
+        variables = loadmat(file, spmatrix=False, verify_compressed_data_integrity=True, variable_names=names)
+        others = () if names is None else tuple(name for name, _, _ in whosmat(file) if name not in names)
+    return Matlab5({name: value for name, value in variables.items() if not name.startswith("__")}, others)
 
 
 @dataclass(frozen=True, slots=True)

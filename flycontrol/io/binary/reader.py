@@ -72,6 +72,7 @@ class BinaryReader:
             command = [sys.executable, "-P", "-m", "flycontrol.io.binary.child", str(seconds), str(memory)]
             environment = os.environ | {
                 "PYTHONPATH": os.pathsep.join(path or os.curdir for path in sys.path),
+                "HDF5_USE_FILE_LOCKING": "FALSE",  # which fails on many read-only and network file systems
                 "OPENBLAS_NUM_THREADS": "1",  # its threads would take the memory that is limited
             }
             self._process = subprocess.Popen(
