@@ -139,7 +139,9 @@ def _sourced(result: FitResult, kind: str) -> Sourced:
 def _stability(fly: Parameters, origin: FitProvenance, progress: Progress) -> str | None:
     """The stability report of the fitted fly; None where its loop cannot be studied."""
     try:
-        found = stability_study(yaw_loop(fly), pulse_task(fly), dampings(fly), progress=progress)
+        found = stability_study(
+            yaw_loop(fly), pulse_task(fly), dampings(fly), deadline=fly.deadline.value, progress=progress
+        )
     except UnstableSystemError:
         return None
     provenance = Provenance(
