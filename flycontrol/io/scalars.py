@@ -21,7 +21,7 @@ def read_scalar(table: Table, scalar: Scalar) -> float:
     InvalidInputError
         If there is no number, if it is not finite, or if there are several.
     """
-    number = _attribute_number(table, scalar) if scalar.attribute else _constant(table, scalar)
+    number = _attribute_number(table, scalar) if scalar.place is None else _constant(table, scalar, scalar.place)
     return scalar.factor * number
 
 
@@ -67,8 +67,7 @@ def _attribute_text(table: Table, label: Label) -> str:
     return value if isinstance(value, str) else f"{value:.10g}"
 
 
-def _constant(table: Table, scalar: Scalar) -> float:
-    place = 0 if scalar.place is None else scalar.place
+def _constant(table: Table, scalar: Scalar, place: Place) -> float:
     index = index_of(table, place, scalar.key, scalar.where)
     numbers = table.numbers[index]
     given = numbers[~np.isnan(numbers)]

@@ -20,8 +20,8 @@ def read_paddling(table: Table, mapping: PaddlingMapping | None, time: FloatArra
     """d_alpha, (n,) [rad]: right wing alpha0 + d_alpha, left wing alpha0 - d_alpha on the forward stroke.
 
     "right minus left, forward stroke" is Fig. 7d of the review, twice d_alpha. Of attack angles, right minus left is
-    twice d_alpha on the forward stroke and minus twice d_alpha on the backward one; of wing pitches, which are mirrored
-    there, minus twice d_alpha is never needed: (eta_R - eta_L) / 2 holds on both.
+    twice d_alpha on the forward stroke and minus twice d_alpha on the backward one. The wing pitch eta is the attack
+    angle forward and 180 deg minus it backward, so that (eta_R - eta_L) / 2 is d_alpha on both.
 
     Raises
     ------
