@@ -21,15 +21,14 @@ from functools import reduce
 import numpy as np
 from numpy.typing import NDArray
 
-from flycontrol.errors import InvalidInputError, InvalidParameterError
+from flycontrol.errors import InvalidInputError
 from flycontrol.flight.blades import BladeElements, beta_blades
-from flycontrol.flight.coefficients import COEFFICIENTS, CoefficientName
+from flycontrol.flight.coefficients import COEFFICIENTS
+from flycontrol.flight.quasi_steady import QuasiSteadyModel
 from flycontrol.model.morphology import Morphology
 from flycontrol.model.stroke import Side, WingAxes, WingMotion, wing_axes
 
 FloatArray = NDArray[np.float64]
-
-AIR_DENSITY = 1.19  #: at 24 degrees Celsius and 101.3 kPa [kg/m^3]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -75,24 +74,6 @@ class FlightLoads:
     def total(self) -> Load:
         """Sum over wings and terms."""
         return self.left.total + self.right.total
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class QuasiSteadyModel:
-    """What the air is taken to do: coefficients by name, density, and blades a wing."""
-
-    coefficients: CoefficientName = "dickinson1999"
-    air_density: float = AIR_DENSITY  #: [kg/m^3]
-    nodes: int = 6  #: blades a wing
-
-    def __post_init__(self) -> None:
-        if self.coefficients not in COEFFICIENTS:
-            known = ", ".join(COEFFICIENTS)
-            raise InvalidParameterError(f"Coefficients {self.coefficients!r} are not known; choose one of {known}.")
-        if not self.air_density > 0:
-            raise InvalidParameterError(f"QuasiSteadyModel.air_density must be > 0 kg/m^3, got {self.air_density!r}.")
-        if not self.nodes >= 1:
-            raise InvalidParameterError(f"QuasiSteadyModel.nodes must be at least 1, got {self.nodes!r}.")
 
 
 def flight_loads(

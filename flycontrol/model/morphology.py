@@ -10,13 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flycontrol.errors import InvalidParameterError
-from flycontrol.units import mg, mm
+from flycontrol.model.planform import ChordTable, Planform
+from flycontrol.model.wing_body import WingBody, thin_plate
+from flycontrol.units import mg, mm, ug
 
 FloatArray = NDArray[np.float64]
 Vector = tuple[float, float, float]
 Matrix = tuple[Vector, Vector, Vector]
 
 GRAVITY = 9.81  #: [m/s^2]
+WING_MASS_OVER_MASS = 2.4 * ug / (1.1 * mg)  #: one wing (berman2007) over the fly (cheng2009)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,13 +27,16 @@ class Morphology:
     """A fly with two mirror-image wings; the stroke-plane frame S is fixed to the body: x forward, y right, z down."""
 
     species: str
-    mass: float  #: [kg]
+    mass: float  #: of the whole fly, wings included [kg]
     wing_length: float  #: hinge to tip, R [m]
     mean_chord: float  #: one wing's area over R [m]
     second_moment_radius: float  #: r2 / R of the wing's area
     right_hinge: Vector  #: from the centre of mass, frame S [m]; the left hinge is its mirror image
-    inertia: Matrix  #: about the centre of mass, frame S [kg m^2]
+    inertia: Matrix  #: of the body without wings about its centre of mass, frame S [kg m^2]
     stroke_plane_angle: float  #: v_S = Ry(angle) v_B [rad]
+    pitch_axis: float = 0.25  #: x0, from the leading edge, in chords
+    chord_table: ChordTable | None = None  #: in place of the beta distribution with r2
+    wing: WingBody | None = None  #: in place of a plate of even thickness with the published share of the mass
 
     def __post_init__(self) -> None:
         for name in ("mass", "wing_length", "mean_chord"):
@@ -42,9 +48,13 @@ class Morphology:
                 "Morphology.second_moment_radius must lie in 0.4..0.8 of the wing length, "
                 f"got {self.second_moment_radius!r}."
             )
-        inertia = self.inertia_S
-        if not np.allclose(inertia, inertia.T) or not np.all(np.linalg.eigvalsh(inertia) > 0):
-            raise InvalidParameterError("Morphology.inertia must be a symmetric matrix with positive eigenvalues.")
+        if not 0.0 <= self.pitch_axis <= 1.0:
+            raise InvalidParameterError(f"Morphology.pitch_axis must lie in 0..1 chords, got {self.pitch_axis!r}.")
+        if self.wing is not None and not 2 * self.wing.mass < self.mass:
+            raise InvalidParameterError(
+                f"Two wings of {self.wing.mass!r} kg do not fit into a fly of {self.mass!r} kg; check their units."
+            )
+        _refuse_impossible(self.inertia_S)
 
     @property
     def weight(self) -> float:
@@ -57,6 +67,23 @@ class Morphology:
         return self.wing_length * self.mean_chord
 
     @property
+    def planform(self) -> Planform:
+        """Outline of one wing."""
+        return Planform(
+            length=self.wing_length,
+            mean_chord=self.mean_chord,
+            second_moment_radius=self.second_moment_radius,
+            table=self.chord_table,
+        )
+
+    @property
+    def wing_body(self) -> WingBody:
+        """Mass and inertia of one wing."""
+        if self.wing is not None:
+            return self.wing
+        return thin_plate(self.planform, WING_MASS_OVER_MASS * self.mass, self.pitch_axis)
+
+    @property
     def inertia_S(self) -> FloatArray:
         """(3, 3) inertia about the centre of mass in the stroke-plane frame [kg m^2]."""
         return np.array(self.inertia, dtype=np.float64)
@@ -65,6 +92,17 @@ class Morphology:
     def yaw_inertia(self) -> float:
         """I about the stroke-plane normal, wings and products of inertia left out [kg m^2]."""
         return self.inertia[2][2]
+
+
+def _refuse_impossible(inertia: FloatArray) -> None:
+    if not np.allclose(inertia, inertia.T, rtol=1e-9, atol=0.0):
+        raise InvalidParameterError("Morphology.inertia must be a symmetric matrix.")
+    low, middle, high = np.linalg.eigvalsh(inertia)
+    if not (low > 0 and low + middle >= high):
+        raise InvalidParameterError(
+            "Morphology.inertia must have positive principal moments of which the largest is at most the sum of the "
+            f"other two, as every body has; got {low:.3g}, {middle:.3g}, {high:.3g} kg m^2. Check units and products."
+        )
 
 
 def pitch_rotation(angle: float) -> FloatArray:

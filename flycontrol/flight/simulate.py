@@ -1,0 +1,110 @@
+"""Flights of a flapping fly, wingbeat by wingbeat.
+
+    M(x) (v', w', q'') = forces(x, t),  x = (position, attitude, v, w, q, q')
+
+by classical Runge-Kutta steps of 1 / (frequency * steps), attitude a unit quaternion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from flycontrol.errors import InvalidParameterError
+from flycontrol.flight.flapping_fly import FlappingFly
+from flycontrol.flight.pulses import BodyPulse
+from flycontrol.flight.settings import MarchSettings
+from flycontrol.flight.wingbeats import March, Steering
+from flycontrol.model.stroke import WingMotion
+from flycontrol.model.stroke_kinematics import StrokeKinematics
+from flycontrol.model.trajectory import FlightState, Trajectory
+
+
+def simulate_flight(
+    fly: FlappingFly,
+    stroke: StrokeKinematics | Steering,
+    wingbeats: int,
+    *,
+    start: FlightState | None = None,
+    pulses: Sequence[BodyPulse] = (),
+    settings: MarchSettings | None = None,
+) -> Trajectory:
+    """Fly so many wingbeats.
+
+    Parameters
+    ----------
+    fly
+        Morphology, air, freedoms of body and hinges.
+    stroke
+        What prescribed joints follow, or a function that is asked for it before every wingbeat (a controller); its
+        strokes are read at the flight's own phase, k to k + 1 for wingbeat k.
+    wingbeats
+        How many, at least one.
+    start
+        State at phase 0; by default `level_start`: at rest, stroke plane level, wings where the stroke begins.
+    pulses
+        Forces and torques from outside.
+    settings
+        Steps and samples a wingbeat.
+
+    Returns
+    -------
+    Trajectory
+        N = wingbeats * samples + 1 instants. A diverging run stops; its status says at which wingbeat and why, and
+        what was flown until then is kept.
+
+    Raises
+    ------
+    InvalidParameterError
+        The step is too coarse for the tolerance (with the number of steps that would do), or an input is impossible.
+    """
+    chunks = list(flight_chunks(fly, stroke, wingbeats, start=start, pulses=pulses, settings=settings))
+    return joined(chunks)
+
+
+def flight_chunks(
+    fly: FlappingFly,
+    stroke: StrokeKinematics | Steering,
+    wingbeats: int,
+    *,
+    start: FlightState | None = None,
+    pulses: Sequence[BodyPulse] = (),
+    settings: MarchSettings | None = None,
+) -> Iterator[Trajectory]:
+    """`simulate_flight` in pieces of `settings.chunk` wingbeats, as they are flown: memory does not grow with it.
+
+    The last instant of a piece is the first of the next one.
+    """
+    if wingbeats < 1:
+        raise InvalidParameterError(f"A flight needs at least one wingbeat, got {wingbeats!r}.")
+    settings = settings or MarchSettings()
+    march = March(fly, stroke, pulses, settings, start)
+    for first in range(0, wingbeats, settings.chunk):
+        chunk = march.chunk(first, min(settings.chunk, wingbeats - first))
+        yield chunk
+        if not chunk.complete:
+            return
+
+
+def joined(chunks: Sequence[Trajectory]) -> Trajectory:
+    """Pieces of one flight, each beginning where the one before it ended, as a single trajectory."""
+    arrays = {name: _in_line([getattr(chunk, name) for chunk in chunks]) for name in _ARRAYS}
+    left, right = (
+        WingMotion(**{
+            name: _in_line([getattr(chunk.wing(side), name) for chunk in chunks]) for name in WingMotion.__slots__
+        })
+        for side in ("left", "right")
+    )  # fmt: skip
+    return replace(chunks[-1], **arrays, left=left, right=right, step_error=chunks[0].step_error)
+
+
+_ARRAYS = (
+    "time", "phase", "position_W", "q_WS", "velocity_S", "angular_velocity_S", "acceleration_S",
+    "angular_acceleration_S", "left_acceleration", "right_acceleration",
+)  # fmt: skip
+
+
+def _in_line(pieces: Sequence[np.ndarray]) -> np.ndarray:
+    return np.concatenate([*(piece[:-1] for piece in pieces[:-1]), pieces[-1]])

@@ -1,0 +1,75 @@
+"""What the step costs: one wingbeat repeated with half the steps."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flycontrol.errors import InvalidParameterError
+from flycontrol.flight.kernels.march import LEFT, LEFT_RATE, QUATERNION, SAMPLE, SPIN, VELOCITY, march
+from flycontrol.flight.multibody.constants import Constants
+from flycontrol.flight.settings import MarchSettings
+from flycontrol.model.trajectory import StepError
+
+FloatArray = NDArray[np.float64]
+
+_ORDER = 4
+
+
+def estimate_step_error(
+    y: FloatArray,
+    drive: FloatArray,
+    step: float,
+    outside: FloatArray,
+    constants: Constants,
+    settings: MarchSettings,
+) -> StepError:
+    """|x(2 h) - x(h)| / 15 at the end of one wingbeat from y; InvalidParameterError when it exceeds the tolerance.
+
+    Parameters
+    ----------
+    y : (25,) state at the wingbeat's beginning, not changed
+    drive : (2 n + 1, 2, 12)
+    step : h [s]
+    outside : (n, 6)
+    """
+    fine = _end(y, drive, step, outside, constants)
+    coarse = _end(y, drive[::2], 2 * step, (outside[::2] + outside[1::2]) / 2, constants)
+    apart = (coarse - fine) / (2**_ORDER - 1)
+    error = StepError(
+        position=_length(apart[:QUATERNION]),
+        velocity=_length(apart[VELOCITY:SPIN]),
+        attitude=2 * _length(apart[QUATERNION:VELOCITY]),
+        angular_velocity=_length(apart[SPIN:LEFT]),
+        wing_angle=float(np.max(np.abs(apart[LEFT:LEFT_RATE]))),
+    )
+    _refuse_coarse(error, step, settings)
+    return error
+
+
+def _end(y: FloatArray, drive: FloatArray, step: float, outside: FloatArray, constants: Constants) -> FloatArray:
+    end = y.copy()
+    march(end, drive, step, outside, len(outside), *constants.arguments, np.empty((1, SAMPLE)))
+    return end
+
+
+def _length(vector: FloatArray) -> float:
+    return float(np.linalg.norm(vector))
+
+
+def _refuse_coarse(error: StepError, step: float, settings: MarchSettings) -> None:
+    """Angles count as they are: an error of the tolerance in radians over a wingbeat is too much."""
+    largest = max(error.attitude, error.wing_angle)
+    if largest <= settings.tolerance:
+        return
+    if not math.isfinite(largest):
+        advice = "it diverges within one wingbeat; take many more steps, or check the fly"
+    else:
+        enough = settings.steps * (largest / settings.tolerance) ** (1 / _ORDER)
+        advice = f"about {2 * math.ceil(0.6 * enough)} steps would do"
+    raise InvalidParameterError(
+        f"{settings.steps} steps a wingbeat ({step * 1e6:.3g} us each) leave an error of {largest:.2g} rad after one "
+        f"wingbeat, where {settings.tolerance:.2g} rad is asked for; {advice}."
+    )

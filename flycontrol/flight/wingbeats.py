@@ -1,0 +1,91 @@
+"""The march through a flight, wingbeat by wingbeat, and what it keeps between them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flycontrol.errors import InvalidParameterError
+from flycontrol.flight.drive import drive_table, repeats
+from flycontrol.flight.flapping_fly import FlappingFly
+from flycontrol.flight.kernels.march import LEFT, SAMPLE, SPIN, VELOCITY, march, sample_now
+from flycontrol.flight.multibody.constants import constants_of
+from flycontrol.flight.pulses import BodyPulse, outside_loads
+from flycontrol.flight.settings import MarchSettings
+from flycontrol.flight.state_vector import AT_REST, level_start, packed, trajectory_of, unpacked
+from flycontrol.flight.step_error import estimate_step_error
+from flycontrol.model.stroke_kinematics import StrokeKinematics
+from flycontrol.model.trajectory import FlightState, Trajectory
+
+FloatArray = NDArray[np.float64]
+
+#: The stroke of a wingbeat, given its number and the state at its beginning; the frequency must not change.
+Steering = Callable[[int, FlightState], StrokeKinematics]
+
+
+class March:
+    """What the march keeps between wingbeats."""
+
+    def __init__(
+        self,
+        fly: FlappingFly,
+        stroke: StrokeKinematics | Steering,
+        pulses: Sequence[BodyPulse],
+        settings: MarchSettings,
+        start: FlightState | None,
+    ) -> None:
+        self.fly, self.pulses, self.settings = fly, pulses, settings
+        self.steering = None if isinstance(stroke, StrokeKinematics) else stroke
+        self.stroke = stroke if isinstance(stroke, StrokeKinematics) else stroke(0, start or AT_REST)
+        self.y = packed(start or level_start(self.stroke))
+        self.constants = constants_of(fly, self.stroke.frequency)
+        self.step = 1.0 / (self.stroke.frequency * settings.steps)
+        self.drive: FloatArray | None = None
+
+    def chunk(self, first: int, count: int) -> Trajectory:
+        """Wingbeats `first` to `first + count`, or those before it diverged."""
+        per_beat, steps = self.settings.samples, self.settings.steps
+        samples = np.empty((count * per_beat + 1, SAMPLE))
+        error, status, stored = None, "complete", 0
+        for beat in range(first, first + count):
+            drive, outside = self._beat(beat)
+            if beat == 0 and self.settings.estimate_error:
+                error = estimate_step_error(self.y, drive, self.step, outside, self.constants, self.settings)
+            room = samples[stored : stored + per_beat]
+            done = march(self.y, drive, self.step, outside, steps // per_beat, *self.constants.arguments, room)
+            stored += per_beat * done // steps
+            if done < steps:
+                status = _diverged(beat, self.y)
+                break
+            sample_now(self.y, drive[-1], outside[-1], *self.constants.arguments, samples[stored])
+        phase = first + np.arange(stored + (status == "complete")) / per_beat
+        trajectory = trajectory_of(samples[: len(phase)], phase, self.stroke.frequency, per_beat)
+        return replace(trajectory, wingbeats=first + stored // per_beat, status=status, step_error=error)
+
+    def _beat(self, beat: int) -> tuple[FloatArray, FloatArray]:
+        """Drive at half steps and loads from outside of one wingbeat."""
+        if self.steering is not None and beat > 0:
+            self.stroke, self.drive = self._steered(self.steering(beat, unpacked(self.y))), None
+        if self.drive is None or not repeats(self.fly, self.stroke):
+            phase = beat + np.arange(2 * self.settings.steps + 1) / (2 * self.settings.steps)
+            self.drive = drive_table(self.fly, self.stroke, phase)
+        return self.drive, outside_loads(self.pulses, beat / self.stroke.frequency, self.step, self.settings.steps)
+
+    def _steered(self, stroke: StrokeKinematics) -> StrokeKinematics:
+        if stroke.frequency != self.stroke.frequency:
+            raise InvalidParameterError(
+                f"Steering asked for {stroke.frequency!r} Hz in a flight of {self.stroke.frequency!r} Hz; the wingbeat "
+                "frequency stays as it is within one flight."
+            )
+        return stroke
+
+
+def _diverged(beat: int, y: FloatArray) -> str:
+    speed, spin = np.linalg.norm(y[VELOCITY:SPIN]), np.linalg.norm(y[SPIN:LEFT])
+    return (
+        f"stopped in wingbeat {beat}: the body moves at {speed:.3g} m/s and turns at {spin:.3g} rad/s, which no fly "
+        "does; what was flown until then is kept. Look at the forces before it, or take smaller steps."
+    )
