@@ -76,7 +76,7 @@ def test_a_crash_of_a_library_costs_a_sentence_and_the_next_file_is_read(tmp_pat
     with BinaryReader(seconds=1.0) as reader:
         late = outcome(hdf5, tmp_path / "hangs", reader)
         assert late.kind == "late"
-        assert "hangs took longer than 1 s to read; it is damaged: export it again." in late.text
+        assert "hangs took longer than 1 s to read; it is damaged or too large: export it again." in late.text
     with BinaryReader() as reader:
         crashed = outcome(hdf5, tmp_path / "crashes", reader)
         assert crashed.kind == "crashed"

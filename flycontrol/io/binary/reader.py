@@ -84,10 +84,10 @@ class BinaryReader:
         status = process.wait()
         self._end()
         if status == 1:  # by the watch
-            what = f"took longer than {self._limits[0]:g} s to read"
+            what = f"took longer than {self._limits[0]:g} s to read; it is damaged or too large"
         else:
-            what = f"made the library that reads {request.form} files crash"
-        return f"{request.name} {what}; it is damaged: export it again."
+            what = f"made the library that reads {request.form} files crash; it is damaged"
+        return f"{request.name} {what}: export it again."
 
     def _end(self) -> None:
         process, self._process = self._process, None
