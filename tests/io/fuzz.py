@@ -232,7 +232,7 @@ def _resolved(text):
 
 @cache
 def _turn_map():
-    text = COLUMNS % "whitespace"
+    text = (COLUMNS % "whitespace").replace("[yaw]", 'wingbeat_frequency = "200 Hz"\n[yaw]')  # three fit in 24 ms
     return _resolved(text.replace('[trial]\nfly = { column = "fly" }\n', ""))
 
 
