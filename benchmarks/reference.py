@@ -57,6 +57,32 @@ class Recovery:
         return self(mpmath.findroot(self.rate, (t, t + step), solver="anderson"))
 
 
+def least_squares(problem, yaw, noise):
+    """Minimiser of the squares over kp, kd, T, and its standard errors at the given noise, as numbers."""
+    x = mpmath.matrix([problem["loop"][name] for name in ("kp", "kd", "T")])
+    step = mpf(10) ** -14
+    for _ in range(8):
+        centre = _angles(problem, x)
+        slopes = mpmath.matrix(len(yaw), 3)
+        for j in range(3):
+            moved = x.copy()
+            moved[j] *= 1 + step
+            slopes[:, j] = (_angles(problem, moved) - centre) / (step * x[j])
+        normal = slopes.T * slopes
+        move = mpmath.lu_solve(normal, slopes.T * (mpmath.matrix(yaw) - centre))
+        x += move
+        if all(abs(move[j]) < mpf(10) ** -13 * x[j] for j in range(3)):
+            break
+    covariance = normal**-1
+    return [float(v) for v in x], [float(noise * mpmath.sqrt(covariance[j, j])) for j in range(3)]
+
+
+def _angles(problem, x):
+    loop = problem["loop"] | dict(zip(("kp", "kd", "T"), x, strict=True))
+    answer = Recovery(loop, problem["pulse"], problem["acceleration"], problem["end"])
+    return mpmath.matrix([answer(t) for t in problem["times"]])
+
+
 def horner(coefficients, s):
     """Polynomial with rising powers."""
     value = mpf(0)

@@ -2,7 +2,10 @@
 
 from dataclasses import asdict, dataclass
 
-LEVELS = {"deg": (1e-1, 1e-3, 1e-6, 1e-9), "relative": (1e-6, 1e-10), "wrong verdicts": (0,)}
+LEVELS = {
+    "deg": (1e-1, 1e-3, 1e-6, 1e-9), "relative": (1e-6, 1e-10), "wrong verdicts": (0,),
+    "standard errors": (1e-1, 1e-2, 1e-3),
+}  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -35,6 +35,14 @@ def angle_error(problem, angles):
     return math.degrees(max(abs(x - y) for x, y in zip(angles, problem["reference"], strict=True)))
 
 
+def estimate_error(problem, x):
+    """Largest distance of an estimate from the least-squares minimiser [standard errors]."""
+    return max(
+        abs(float(mine) - best) / error
+        for mine, best, error in zip(x, problem["minimiser"], problem["standard_errors"], strict=True)
+    )
+
+
 def root_error(problem, found):
     """Largest relative distance from a wanted root to the nearest one found; infinite if one was missed."""
     worst = 0.0
