@@ -1,11 +1,12 @@
 """One fit of kp, kd and the delay against named peers, at measured distances from the least-squares minimiser."""
 
+import time
+
 import numpy as np
 import problems
 import pytest
-import stopwatch
 from scoreboard import Row
-from test_speed import US, run_peer
+from test_speed import US, run_peer, stopwatch
 
 from flycontrol.identify.gains.fit import fit_gains
 from flycontrol.identify.gains.least_squares import WeightedProblem, minimise
@@ -26,7 +27,7 @@ def the_model(problem):
     return gain_model(fixed={"damping": problem["b"], "initial_yaw": 0.0, "initial_rate": 0.0, "heading": 0.0})
 
 
-@pytest.mark.benchmark(disable_gc=True, warmup=True)
+@pytest.mark.benchmark(disable_gc=True, warmup=True, timer=time.process_time)
 def test_a_fit_ends_at_the_least_squares_minimiser_to_a_thousandth_of_a_standard_error(benchmark, rows, tmp_path):
     """Everything included: starting values from the data, order of the noise, bias, intervals."""
     problem = problems.fit()
@@ -45,7 +46,7 @@ def test_a_fit_ends_at_the_least_squares_minimiser_to_a_thousandth_of_a_standard
 
 
 @pytest.mark.slow
-@pytest.mark.benchmark(disable_gc=True)
+@pytest.mark.benchmark(disable_gc=True, timer=time.process_time)
 def test_a_thousand_bootstrap_fits_scatter_like_the_standard_errors(benchmark, rows):
     """Each with noise of its own, from the estimate on; within 4 times the scatter of a standard deviation."""
     problem = problems.fit()
