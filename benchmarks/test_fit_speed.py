@@ -72,7 +72,7 @@ def test_a_thousand_bootstrap_fits_scatter_like_the_standard_errors(benchmark, r
             run_s=benchmark.stats.stats.median,
             best_s=benchmark.stats.stats.min,
             error=float(np.abs(scatter - 1).max()),
-            unit="standard errors",
+            unit="of the scatter",
         )
     )
     np.testing.assert_allclose(scatter, 1.0, atol=4 / np.sqrt(2 * BOOTSTRAP))
