@@ -19,7 +19,7 @@ from flycontrol.flight.kernels.march import (
     VELOCITY,
 )
 from flycontrol.model.stroke_kinematics import StrokeKinematics
-from flycontrol.model.trajectory import FlightState, Trajectory, wing_motion_of
+from flycontrol.model.trajectory import FlightState, Trajectory, wing_angles, wing_motion_of, wing_rates
 
 FloatArray = NDArray[np.float64]
 
@@ -83,11 +83,22 @@ def unpacked(y: FloatArray) -> FlightState:
     )
 
 
+def samples_of(trajectory: Trajectory) -> FloatArray:
+    """(N, 37) states and accelerations of a trajectory, simulated or measured."""
+    t = trajectory
+    return np.ascontiguousarray(np.hstack([
+        t.position_W, t.q_WS, t.velocity_S, t.angular_velocity_S, wing_angles(t.left), wing_angles(t.right),
+        wing_rates(t.left), wing_rates(t.right), t.acceleration_S, t.angular_acceleration_S,
+        t.left_acceleration, t.right_acceleration,
+    ]))  # fmt: skip
+
+
 def trajectory_of(samples: FloatArray, phase: FloatArray, frequency: float, samples_per_wingbeat: int) -> Trajectory:
     """Trajectory from the march's samples (N, 37) at phases (N,) [wingbeats]."""
     s = samples
     return Trajectory(
         time=phase / frequency,
+        frequency=frequency,
         phase=phase,
         position_W=s[:, :QUATERNION],
         q_WS=s[:, QUATERNION:VELOCITY],

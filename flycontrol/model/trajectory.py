@@ -54,6 +54,7 @@ class Trajectory:
 
     time: FloatArray  #: (N,) [s]
     phase: FloatArray  #: (N,) [wingbeats]
+    frequency: float  #: wingbeats a second [1/s]
     position_W: FloatArray  #: (N, 3) [m]
     q_WS: FloatArray  #: (N, 4) stroke-plane frame to world, scalar first
     velocity_S: FloatArray  #: (N, 3) [m/s]

@@ -65,7 +65,7 @@ def _torque_of(J, K):
 
 
 @numba.njit(**COMPILED)
-def _composite(frame, h, constants):
+def wing_matrices(frame, h, constants):
     """What the wing and its air add to M_aa, M_aw, M_ww; and B_sn, B_cn, B_ns, B_nc, K for its joint."""
     span, chord, normal = frame
     m, s, c = constants[MASS], constants[CENTRE_S], constants[CENTRE_C]
@@ -109,6 +109,15 @@ def _joint_column(J, frame, h, B, K):
 
 
 @numba.njit(**COMPILED)
+def wing_joints(by_stroke, by_deviation, frame, h, B, K):
+    """Columns of M_aq, of M_wq, and K J, joint by joint."""
+    a0, t0, k0 = _joint_column(by_stroke, frame, h, B, K)
+    a1, t1, k1 = _joint_column(by_deviation, frame, h, B, K)
+    a2, t2, k2 = _joint_column((1.0, 0.0, 0.0), frame, h, B, K)
+    return (a0, a1, a2), (t0, t1, t2), (k0, k1, k2)
+
+
+@numba.njit(**COMPILED)
 def _less_rows(M, a, b):
     """M - a b^T."""
     return (minus(M[0], scaled(a[0], b)), minus(M[1], scaled(a[1], b)), minus(M[2], scaled(a[2], b)))
@@ -129,17 +138,14 @@ def wing_share(angles, rates, accelerations, torque, freed, body, h, constants, 
     """
     frame, by_stroke, by_deviation = wing_frame(angles[0], angles[1], angles[2])
     f, n = wing_bias(frame, by_stroke, by_deviation, rates, accelerations, body, constants, blades, polynomials)
-    M_aa, M_aw, M_ww, B, K = _composite(frame, h, constants)
+    M_aa, M_aw, M_ww, B, K = wing_matrices(frame, h, constants)
     f_S = out_of_wing(frame, f)
     n_S = add(out_of_wing(frame, n), cross(h, f_S))
     x = (NOTHING, NOTHING, NOTHING)
     y = (NOTHING, NOTHING, NOTHING)
     q = NOTHING
     if freed[0] + freed[1] + freed[2] > 0.0:
-        by_pitch = (1.0, 0.0, 0.0)
-        a0, t0, k0 = _joint_column(by_stroke, frame, h, B, K)
-        a1, t1, k1 = _joint_column(by_deviation, frame, h, B, K)
-        a2, t2, k2 = _joint_column(by_pitch, frame, h, B, K)
+        (a0, a1, a2), (t0, t1, t2), (k0, k1, k2) = wing_joints(by_stroke, by_deviation, frame, h, B, K)
         p0, p1, p2 = freed
         # a prescribed joint keeps a row of its own: K_ss q'' = 0
         unit = K[0]

@@ -21,7 +21,8 @@ FASTEST, FASTEST_SPIN = 1e2, 1e5
 
 
 @numba.njit(**COMPILED)
-def _three(array, k):
+def three(array, k):
+    """Three entries from k on."""
     return (array[k], array[k + 1], array[k + 2])
 
 
@@ -38,14 +39,14 @@ def _joint_state(own, driven, joints):
 @numba.njit(**COMPILED)
 def _wing(angles, rates, drive, joints):
     """(angles, rates, prescribed accelerations, torques, freed) of one wing."""
-    q = _joint_state(angles, _three(drive, 0), joints)
-    r = _joint_state(rates, _three(drive, 3), joints)
+    q = _joint_state(angles, three(drive, 0), joints)
+    r = _joint_state(rates, three(drive, 3), joints)
     torque = (
         drive[9] - joints[0, STIFFNESS] * (q[0] - joints[0, REST]) - joints[0, DAMPING] * r[0],
         drive[10] - joints[1, STIFFNESS] * (q[1] - joints[1, REST]) - joints[1, DAMPING] * r[1],
         drive[11] - joints[2, STIFFNESS] * (q[2] - joints[2, REST]) - joints[2, DAMPING] * r[2],
     )
-    return q, r, _three(drive, 6), torque, (joints[0, FREED], joints[1, FREED], joints[2, FREED])
+    return q, r, three(drive, 6), torque, (joints[0, FREED], joints[1, FREED], joints[2, FREED])
 
 
 @numba.njit(**COMPILED)
@@ -58,6 +59,12 @@ def _world(q, a):
         a[1] + w * ty + z * tx - x * tz,
         a[2] + w * tz + x * ty - y * tx,
     )
+
+
+@numba.njit(**COMPILED)
+def in_body(q, a):
+    """Components in S of a vector given in W."""
+    return _world((q[0], -q[1], -q[2], -q[3]), a)
 
 
 @numba.njit(**COMPILED)
@@ -80,9 +87,9 @@ def rates_of_change(state, drive, joints, outside, free, gravity, body, wings, b
     _, q, v, w, left_angles, right_angles, left_rates, right_rates = state
     left = _wing(left_angles, left_rates, drive[0], joints[0])
     right = _wing(right_angles, right_rates, drive[1], joints[1])
-    down = _world((q[0], -q[1], -q[2], -q[3]), gravity)
+    down = in_body(q, gravity)
     dv, dw, left_q, right_q = accelerations(
-        v, w, down, left, right, _three(outside, 0), _three(outside, 3), _three(free, 0), _three(free, 3),
+        v, w, down, left, right, three(outside, 0), three(outside, 3), three(free, 0), three(free, 3),
         body, wings, blades, polynomials,
     )  # fmt: skip
     return (_world(q, v), _turning(q, w), dv, dw, left[1], right[1], left_q, right_q)
@@ -107,36 +114,37 @@ def _moved(state, h, rate):
 @numba.njit(**COMPILED)
 def _unpacked(y):
     return (
-        _three(y, POSITION), (y[3], y[4], y[5], y[6]), _three(y, VELOCITY), _three(y, SPIN),
-        _three(y, LEFT), _three(y, RIGHT), _three(y, LEFT_RATE), _three(y, RIGHT_RATE),
+        three(y, POSITION), (y[3], y[4], y[5], y[6]), three(y, VELOCITY), three(y, SPIN),
+        three(y, LEFT), three(y, RIGHT), three(y, LEFT_RATE), three(y, RIGHT_RATE),
     )  # fmt: skip
 
 
 @numba.njit(**COMPILED)
-def _pack_three(y, k, a):
+def pack_three(y, k, a):
+    """Store three entries from k on."""
     y[k], y[k + 1], y[k + 2] = a
 
 
 @numba.njit(**COMPILED)
 def _pack(y, state, drive, joints):
     """Store a state, prescribed joints as driven."""
-    _pack_three(y, POSITION, state[0])
+    pack_three(y, POSITION, state[0])
     y[3], y[4], y[5], y[6] = state[1]
-    _pack_three(y, VELOCITY, state[2])
-    _pack_three(y, SPIN, state[3])
-    _pack_three(y, LEFT, _joint_state(state[4], _three(drive[0], 0), joints[0]))
-    _pack_three(y, RIGHT, _joint_state(state[5], _three(drive[1], 0), joints[1]))
-    _pack_three(y, LEFT_RATE, _joint_state(state[6], _three(drive[0], 3), joints[0]))
-    _pack_three(y, RIGHT_RATE, _joint_state(state[7], _three(drive[1], 3), joints[1]))
+    pack_three(y, VELOCITY, state[2])
+    pack_three(y, SPIN, state[3])
+    pack_three(y, LEFT, _joint_state(state[4], three(drive[0], 0), joints[0]))
+    pack_three(y, RIGHT, _joint_state(state[5], three(drive[1], 0), joints[1]))
+    pack_three(y, LEFT_RATE, _joint_state(state[6], three(drive[0], 3), joints[0]))
+    pack_three(y, RIGHT_RATE, _joint_state(state[7], three(drive[1], 3), joints[1]))
 
 
 @numba.njit(**COMPILED)
 def _store(sample, state, rate, drive, joints):
     _pack(sample, state, drive, joints)
-    _pack_three(sample, STATES, rate[2])
-    _pack_three(sample, STATES + 3, rate[3])
-    _pack_three(sample, STATES + 6, rate[6])
-    _pack_three(sample, STATES + 9, rate[7])
+    pack_three(sample, STATES, rate[2])
+    pack_three(sample, STATES + 3, rate[3])
+    pack_three(sample, STATES + 6, rate[6])
+    pack_three(sample, STATES + 9, rate[7])
 
 
 @numba.njit(**COMPILED)
@@ -170,7 +178,7 @@ def march(y, drive, h, outside, stride, joints, free, gravity, body, wings, blad
     samples : (n / stride, 37) to be filled: states and accelerations at the beginning of every `stride`-th step
     """
     state = _unpacked(y)
-    g = _three(gravity, 0)
+    g = three(gravity, 0)
     steps = outside.shape[0]
     for k in range(steps):
         rate = rates_of_change(state, drive[2 * k], joints, outside[k], free, g, body, wings, blades, polynomials)
@@ -199,5 +207,5 @@ def march(y, drive, h, outside, stride, joints, free, gravity, body, wings, blad
 def sample_now(y, drive, outside, joints, free, gravity, body, wings, blades, polynomials, sample):
     """Store a state with its accelerations."""
     state = _unpacked(y)
-    rate = rates_of_change(state, drive, joints, outside, free, _three(gravity, 0), body, wings, blades, polynomials)
+    rate = rates_of_change(state, drive, joints, outside, free, three(gravity, 0), body, wings, blades, polynomials)
     _store(sample, state, rate, drive, joints)
