@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Generator
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from flycontrol.cli.fit_options import FitRequest, requested_model
-from flycontrol.cli.terminal import progress_bar, refusal_with_a_mapping_to_edit, say
+from flycontrol.cli.terminal import WorkInterruptedError, progress_bar, refusal_with_a_mapping_to_edit, say
 from flycontrol.errors import InvalidInputError
 
 if TYPE_CHECKING:
     from flycontrol.identify.gains.study import FitOptions
+    from flycontrol.model.trial import Trial
 
+_FEW = 4  #: recordings that are done before other processes have started
 _OUT = Path("reports/fit")
 
 
@@ -53,6 +58,16 @@ def fit(
     ] = "linear",
     level: Annotated[float, typer.Option(metavar="NUMBER", help="Of the intervals.")] = 0.95,
     seed: Annotated[int, typer.Option(min=0, help="Of everything drawn at random.")] = 0,
+    bootstrap: Annotated[
+        int, typer.Option(min=0, metavar="NUMBER", help="Fits to data drawn anew, for the fly's cloud; 0: none.")
+    ] = 200,
+    compare: Annotated[bool, typer.Option(help="Fit P, PD, PI and PID and compare.")] = True,
+    spontaneous: Annotated[
+        bool, typer.Option("--spontaneous", help="Nothing perturbed the fly; otherwise an unknown pulse is sought.")
+    ] = False,
+    workers: Annotated[
+        int | None, typer.Option(min=1, metavar="NUMBER", help="Processes; left out: one on every core.")
+    ] = None,
     parameters: Annotated[
         str | None,
         typer.Option(
@@ -80,30 +95,66 @@ def fit(
         require_writable_folder(folder)
     if mapping is None:
         raise refusal_with_a_mapping_to_edit(Path(files[0]))
-    options = _options(noise, loss, level, seed)
+    options = replace(_options(noise, loss, level, seed), bootstrap=bootstrap, compare=compare)
     request = FitRequest(
         controller=controller, fix=fix or (), estimate=estimate or (), prior=prior or (), bound=bound or (),
         shared=shared,
     )  # fmt: skip
     requested_model(request, paddling=False)  # refuse before hundreds of files are read
     fly = read_parameters(parameters)
+    from flycontrol.identify.gains.stages import Stages
     from flycontrol.identify.gains.study import fit_study
     from flycontrol.io.trials import read_trials
+    from flycontrol.jobs.processes import ProcessPool
 
-    with progress_bar() as progress:
+    with progress_bar() as progress, ExitStack() as stack:
         trials = read_trials(files, mapping, progress=progress)
+        trials, request = _with_pulses(trials, request, spontaneous=spontaneous)
         model = requested_model(request, paddling=any(trial.paddling is not None for trial in trials))
-        found = fit_study(trials, model, options, progress=progress)
-        from flycontrol.report.fit_page import fit_provenance, write_fit_report
-        from flycontrol.report.fit_result import fit_result_json
+        pool = ProcessPool(workers)
+        crew = 1 if pool.count == 1 or len(trials) < _FEW else stack.enter_context(pool)
+        kept = None if folder is None else folder / "unfinished"
+        stages = Stages(workers=crew, folder=kept, progress=progress)
+        with _kept_when_interrupted(kept):
+            found = fit_study(trials, model, options, stages)
+            from flycontrol.report.fit_page import fit_provenance, write_fit_report
+            from flycontrol.report.fit_result import fit_result_json
 
-        command = _command(len(files), mapping, request, options)
-        if folder is not None:
-            write_fit_report(found, fly, folder, command=command, progress=progress)
+            command = _command(len(files), mapping, request, options)
+            if folder is not None:
+                write_fit_report(found, fly, folder, command=command, progress=progress)
+                stages.clear()
     if json:
         typer.echo(fit_result_json(found, fit_provenance(found, command)), nl=False)
     where = f"wrote {folder / 'index.html'}, result.json, estimates.csv and table.md" if folder else "done"
     say(f"{found.result.status} {where} in {time.perf_counter() - started:.1f} s")
+
+
+def _with_pulses(
+    trials: tuple[Trial, ...], request: FitRequest, *, spontaneous: bool
+) -> tuple[tuple[Trial, ...], FitRequest]:
+    """Seek the pulse where the mapping names no perturbation; its onset is then estimated too."""
+    from flycontrol.identify.gains.onset import with_located_pulses
+
+    if spontaneous or all(trial.perturbation is not None for trial in trials):
+        return trials, request
+    asked = request.estimate
+    if "onset_shift" not in (*asked, *(text.partition("=")[0] for text in request.fix)):
+        asked = (*asked, "onset_shift")
+    return with_located_pulses(trials), replace(request, estimate=asked)
+
+
+@contextmanager
+def _kept_when_interrupted(folder: Path | None) -> Generator[None]:
+    """Say what an interruption leaves."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        if folder is None or not folder.exists():
+            raise
+        raise WorkInterruptedError(
+            f"finished parts are kept in {folder}; the same command goes on from there."
+        ) from None
 
 
 def _options(noise: str, loss: str, level: float, seed: int) -> FitOptions:
@@ -131,4 +182,5 @@ def _command(count: int, mapping: str, request: FitRequest, options: FitOptions)
         f"--level {options.level:g}",
         f"--seed {options.seed}",
     ]
+    given += [f"--bootstrap {options.bootstrap}", *([] if options.compare else ["--no-compare"])]
     return " ".join(["flycontrol fit", f"({count} files or patterns)", *given])

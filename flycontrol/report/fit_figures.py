@@ -3,24 +3,42 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy.stats
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
-from flycontrol.identify.gains.study import FitStudy, RecordingFit, autocorrelation
+from flycontrol.identify.gains.recording_fits import RecordingFit, autocorrelation
+from flycontrol.identify.gains.study import FitStudy, Group
+from flycontrol.report.figures.fit_cloud import gain_cloud
+from flycontrol.report.figures.fit_flies import MOST as MOST_FITS
+from flycontrol.report.figures.fit_flies import fits_compared
 from flycontrol.report.figures.fit_paddling import paddling_angles
+from flycontrol.report.figures.fit_profiles import likelihood_profiles
 from flycontrol.report.figures.fit_recordings import fitted_recordings
 from flycontrol.report.figures.fit_residuals import residuals
+from flycontrol.report.figures.fit_strength import recovery_points
 from flycontrol.report.fit_words import digits_for
 from flycontrol.report.numbers import fixed
 from flycontrol.report.page_figures import PageFigure
 from flycontrol.report.style import svg
 from flycontrol.units import deg
 
+FloatArray = NDArray[np.float64]
 MOST = 24  #: recordings drawn; of more, those that the fit explains least
 
 
 def fit_figures(study: FitStudy) -> dict[str, PageFigure]:
     """Draw every figure that the study has parts for, by name."""
-    drawn = [_recordings(study), _residuals(study), _paddling(study)]
+    drawn = [
+        _recordings(study),
+        _residuals(study),
+        _profiles(study),
+        _cloud(study),
+        _group(study.flies, study, "flies"),
+        _group(study.single, study, "single"),
+        _strength(study),
+        _paddling(study),
+    ]
     return {figure.name: figure for figure in drawn if figure is not None}
 
 
@@ -85,3 +103,88 @@ def _paddling(study: FitStudy) -> PageFigure | None:
         f"by {gain}. They differ by {fixed(float(rms), 2)}° (root mean square, median of recordings)."
     )
     return _page_figure("paddling", paddling_angles(recordings), "Predicted torque and measured paddling", caption)
+
+
+def _profiles(study: FitStudy) -> PageFigure | None:
+    if not study.profiles:
+        return None
+    estimates = {e.name: e for e in study.result.estimates}
+    bent = [name for name in study.profiles if estimates[name].method == "profile"]
+    finding = (
+        f"Of {' and '.join(bent)} the profile departs from the parabola, and the reported interval is the profile’s."
+        if bent
+        else "The parabolas follow the profiles, so intervals by the covariance are good."
+    )
+    caption = (
+        "Solid: the least deviance for each value of an unknown, all others fitted again at the dots; its root is "
+        "interpolated in between. Dashed: the parabola of the covariance. Band: the interval reported; dotted: the "
+        f"deviance at its ends. {finding}"
+    )
+    figure = likelihood_profiles(study.profiles, estimates)
+    return _page_figure("profiles", figure, "Profile likelihoods", caption)
+
+
+def _cloud(study: FitStudy) -> PageFigure | None:
+    plane, found, result = study.plane, study.bootstrap, study.result
+    if plane is None or not {"kp", "kd"} <= set(result.problem.names):
+        return None
+    draws = np.zeros((0, 2)) if found is None else found.draws[:, [found.names.index(name) for name in ("kp", "kd")]]
+    level = f"{100 * result.level:g} %"
+    cloud = (
+        f"Dots: {len(draws)} fits to data drawn anew from the fitted fly and its noise"
+        + (f", {found.failed} more did not converge. " if found is not None and found.failed else ". ")
+        if len(draws)
+        else ""
+    )
+    caption = (
+        f"Shaded: gains that are stable at the fitted damping and delay. {cloud}Red: the region that holds both gains "
+        f"with a confidence of {level}, by the covariance. Damping and delay vary too; the boundary is drawn at "
+        "their estimates."
+    )
+    figure = gain_cloud(plane, draws, _ellipse(study))
+    return _page_figure("cloud", figure, "The fly among all gains", caption)
+
+
+def _ellipse(study: FitStudy) -> FloatArray | None:
+    """Edge of the joint confidence region of kp and kd (m, 2); None where the covariance is not finite."""
+    result = study.result
+    at = [result.problem.names.index(name) for name in ("kp", "kd")]
+    C = result.covariance[np.ix_(at, at)]
+    if not np.all(np.isfinite(C)):
+        return None
+    freedom = min(result.estimates[i].freedom for i in at)
+    size = np.sqrt(2.0 * scipy.stats.f.ppf(result.level, 2, freedom))
+    turn = np.linspace(0.0, 2 * np.pi, 121)
+    circle = np.column_stack([np.cos(turn), np.sin(turn)])
+    centre = np.array([result.estimates[i].value for i in at])
+    return np.asarray(centre + size * circle @ np.linalg.cholesky(C).T, dtype=np.float64)
+
+
+def _strength(study: FitStudy) -> PageFigure | None:
+    found = study.recovery
+    if found is None:
+        return None
+    band = found.band
+    unstable = f" {band.unstable} of them are unstable and never recover." if band.unstable else ""
+    caption = (
+        f"{found.sentence} Dots: the last entry of yaw into ±{fixed(band.tolerance / deg, 0)}° around the heading, "
+        f"with {100 * band.level:g} % intervals from the noise. Band: {band.draws} loops drawn from the estimates’ "
+        f"distribution, each with its exact recovery after a pulse of {fixed(band.duration * 1e3, 1, 'ms')}.{unstable}"
+    )
+    return _page_figure("strength", recovery_points(found), "Recovery time against strength", caption)
+
+
+def _group(group: Group | None, study: FitStudy, name: str) -> PageFigure | None:
+    if group is None or not any(fit.usable for fit in group.fits):
+        return None
+    pooled = {e.kind: e for e in study.result.estimates if e.name == e.kind}
+    who, level = ("fly" if name == "flies" else "recording"), f"{100 * study.result.level:g} %"
+    count = sum(fit.usable for fit in group.fits)
+    shown = f"Each {who} by itself, {level} intervals"
+    if count > MOST_FITS:
+        shown = f"The first {MOST_FITS} of {count} {who}s by themselves, {level} intervals"
+    caption = (
+        f"{shown}. Band: the pooled estimate. Red: the mean, with an interval that carries the spread between them."
+    )
+    figure = fits_compared(group.fits, pooled, group.effects, study.result.level)
+    return _page_figure(name, figure, f"Every {who} by itself", caption)

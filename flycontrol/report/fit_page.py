@@ -16,6 +16,7 @@ from flycontrol.jobs.progress import Progress, no_progress
 from flycontrol.model.parameters import Parameters, Sourced
 from flycontrol.model.study import study as stability_study
 from flycontrol.model.trial import Pulse
+from flycontrol.report import fit_tables
 from flycontrol.report.fit_figures import fit_figures
 from flycontrol.report.fit_result import FitProvenance, estimates_csv, fit_result_json
 from flycontrol.report.fit_words import KINDS, digits_for, estimate_rows, paper_table
@@ -26,7 +27,7 @@ from flycontrol.report.page import template_environment, the_css
 from flycontrol.report.provenance import Provenance
 
 _MADE_WITH = ("flycontrol", "numpy", "scipy", "numba", "matplotlib")
-_FIGURES = ("recordings", "residuals", "paddling")
+FIGURES = ("recordings", "residuals", "profiles", "cloud", "strength", "flies", "single", "paddling")
 #: Fields of `Parameters` that a fit replaces.
 _FITTED = {"proportional_gain": "kp", "derivative_gain": "kd", "delay": "delay"}
 
@@ -88,10 +89,15 @@ def fit_page(study: FitStudy, origin: FitProvenance, *, with_stability: bool) ->
         result=study.result,
         origin=origin,
         figures=figures,
-        numbers={name: k for k, name in enumerate([f for f in _FIGURES if f in figures], start=1)},
+        numbers={name: k for k, name in enumerate([f for f in FIGURES if f in figures], start=1)},
         rows=estimate_rows(study.result),
         own_rows=estimate_rows(study.result, of_the_loop=False),
         level=f"{100 * study.result.level:g}",
+        controllers=fit_tables.controller_rows(study),
+        predictions=fit_tables.prediction_rows(study),
+        effects=[] if study.flies is None else fit_tables.effect_rows(study.flies),
+        fly_sentences=fit_tables.group_sentences(study.flies),
+        recording_sentences=fit_tables.group_sentences(study.single),
         paper=paper_table(study.result),
         flies=len({recording.trial.fly for recording in study.recordings}),
         with_stability=with_stability,

@@ -9,8 +9,10 @@ import math
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from flycontrol.identify.gains.recording_fits import ChannelFit, RecordingFit
 from flycontrol.identify.gains.result import Estimate
-from flycontrol.identify.gains.study import ChannelFit, FitStudy, RecordingFit
+from flycontrol.identify.gains.study import FitStudy
+from flycontrol.report.fit_surroundings import surroundings
 from flycontrol.report.fit_words import owner
 from flycontrol.report.result import finite
 from flycontrol.units import deg
@@ -49,6 +51,56 @@ FIELDS: dict[str, str] = {
     "recordings[].channels[].noise_sd_deg": "standard deviation of the noise as modelled",
     "recordings[].channels[].noise_order": "of the autoregressive noise; 0: white",
     "recordings[].channels[].noise_coefficients[]": "e_t = sum of coefficient * e_(t-k) + innovation",
+    "profiles[].name": "unknown that is held",
+    "profiles[].values[]": "that it is held at, in SI units",
+    "profiles[].deviance[]": "least deviance there, 0 at the minimum",
+    "profiles[].threshold": "deviance at the ends of the interval",
+    "bootstrap.kind": "parametric: noise drawn from the noise model; block: blocks of residuals",
+    "bootstrap.draws": "fits to data drawn anew that converged",
+    "bootstrap.failed": "those that did not",
+    "bootstrap.intervals[].name": "unknown that all recordings share",
+    "bootstrap.intervals[].low": "of the interval at `level`, BCa",
+    "bootstrap.intervals[].high": "likewise",
+    "bootstrap.intervals[].standard_deviation": "of the draws",
+    "controllers.sentence": "which controller describes the recordings best",
+    "controllers.noise_order": "the same for all",
+    "controllers.rows[].controller": "P, PD, PI or PID on the yaw angle",
+    "controllers.rows[].unknowns": "noise included",
+    "controllers.rows[].deviance": "minus twice the logarithm of the largest likelihood",
+    "controllers.rows[].aicc": "Akaike's criterion, corrected",
+    "controllers.rows[].bic": "Schwarz's criterion",
+    "controllers.rows[].weight": "Akaike's weight",
+    "controllers.rows[].error_deg": "root mean square error of samples left out; null: not asked for",
+    "flies.sentences[]": "whether they differ, and which do not go with the others",
+    "flies.fits[].name": "fly, or recording, fitted alone",
+    "flies.fits[].usable": "converged, everything determined",
+    "flies.fits[].values.*": "estimates in SI units",
+    "flies.fits[].standard_errors.*": "of them",
+    "flies.effects[].kind": "parameter",
+    "flies.effects[].mean": "over flies, or recordings, in SI units",
+    "flies.effects[].mean_low": "of its interval at `level`",
+    "flies.effects[].mean_high": "likewise",
+    "flies.effects[].deviation": "standard deviation between flies",
+    "flies.effects[].deviation_low": "of its interval",
+    "flies.effects[].deviation_high": "null: so few say nothing",
+    "flies.effects[].p": "of no spread",
+    "recordings_alone.*": "the same of recordings fitted one by one",
+    "predictions[].trial": "recording predicted from the others",
+    "predictions[].error_deg": "root mean square of measured less predicted yaw",
+    "predictions[].noise_deg": "standard deviation of its noise",
+    "predictions[].in_noise": "error over noise, both one sample ahead; 1 is perfect",
+    "recovery.sentence": "how measured and predicted recovery times agree",
+    "recovery.tolerance_deg": "half width of the band around the heading",
+    "recovery.measured[].trial": "recording",
+    "recovery.measured[].peak_deg": "largest deflection, its sign with it",
+    "recovery.measured[].time_ms": "from onset to the last entry into the band; null: not recovered",
+    "recovery.measured[].low_ms": "of its interval at `level`",
+    "recovery.measured[].high_ms": "null: the recording does not show that the fly is back",
+    "recovery.predicted.peak_deg[]": "peak deflections",
+    "recovery.predicted.time_ms[]": "by the estimates",
+    "recovery.predicted.low_ms[]": "of the band at `level`",
+    "recovery.predicted.high_ms[]": "null: unstable draws",
+    "absent.*": "why a part is not there",
     "provenance.command": "that made this report",
     "provenance.mapping": "name of the mapping; null: trials given from Python",
     "provenance.mapping_sha256": "of its file",
@@ -99,6 +151,8 @@ def _found(study: FitStudy, origin: FitProvenance) -> dict[str, Any]:
             "matrix": [[float(correlation[i, j]) for j in shared] for i in shared],
         },
         "recordings": [_recording(recording) for recording in study.recordings],
+        **surroundings(study),
+        "absent": dict(study.absent),
         "provenance": asdict(origin),
     }
 

@@ -8,18 +8,21 @@ import pytest
 from outline import Outline, leaves, read_json
 
 from flycontrol.identify.gains.model import gain_model
-from flycontrol.identify.gains.study import fit_study
+from flycontrol.identify.gains.study import FitOptions, fit_study
 from flycontrol.identify.gains.synthetic import synthetic_experiment
-from flycontrol.report.fit_page import fit_page, fit_provenance
+from flycontrol.report.fit_page import FIGURES, fit_page, fit_provenance
 from flycontrol.report.fit_result import COLUMNS, FIELDS, estimates_csv, fit_result_json
 from flycontrol.report.fit_words import digits_for, paper_table
+
+_VARYING = r"^(fixed|provenance\.versions|recordings_alone|flies\.fits\[\]\.(?:values|standard_errors))\..+$"
 
 
 @pytest.fixture(scope="module")
 def study():
-    trials = synthetic_experiment(0, 1).trials[1:3]
+    made = synthetic_experiment(0, 2).trials
+    trials = [made[1], made[2], made[5], made[6]]
     model = gain_model(estimate=["paddling_gain"], fixed={"initial_yaw": 0.0, "initial_rate": 0.0})
-    return fit_study(trials, model)
+    return fit_study(trials, model, FitOptions(bootstrap=20))
 
 
 @pytest.fixture(scope="module")
@@ -30,9 +33,9 @@ def origin(study):
 def test_every_field_of_the_result_is_documented_and_every_documented_one_is_there(study, origin):
     found = read_json(fit_result_json(study, origin))
     fields = found.pop("fields")
-    paths = {re.sub(r"^(fixed|provenance\.versions)\.\w+$", r"\1.*", path) for path in leaves(found)}
+    paths = {re.sub(_VARYING, r"\1.*", path) for path in leaves(found)}
     assert fields == FIELDS
-    assert paths == set(FIELDS)
+    assert paths | {"absent.*"} == set(FIELDS)
 
 
 def test_the_table_of_estimates_is_tidy_and_agrees_with_the_fit(study):
@@ -51,7 +54,7 @@ def test_the_page_is_well_formed_and_says_no_nan(study, origin):
     assert len(outline.ids) == len(set(outline.ids))
     inside = {target[1:] for target in outline.targets if target.startswith("#")}
     assert inside <= set(outline.ids)
-    assert {"figure-recordings", "figure-residuals", "figure-paddling"} <= set(outline.ids)
+    assert {f"figure-{name}" for name in FIGURES} <= set(outline.ids)
     assert not re.search(r"\b(nan|inf|None)\b", outline.text)
     assert "http" not in re.sub(r'xmlns="[^"]*"', "", page)
 

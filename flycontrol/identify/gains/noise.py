@@ -118,7 +118,7 @@ def _maximum(likelihood: _Likelihood, z: FloatArray) -> tuple[FloatArray, FloatA
         gradient, curvature = _derivatives(likelihood, z, best)
         values, vectors = np.linalg.eigh(curvature)
         step = -vectors @ ((vectors.T @ gradient) / np.maximum(np.abs(values), 1.0))
-        step *= min(1.0, 1.0 / float(np.abs(step).max()))
+        step /= max(1.0, float(np.abs(step).max()))
         trial, reached = z, np.inf
         for halving in range(6):
             trial = np.clip(z + 0.5**halving * step, -_TIGHT, _TIGHT)

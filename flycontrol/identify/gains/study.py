@@ -1,142 +1,221 @@
-"""Everything that a fit report shows, computed once: the fit, and what it leaves of each recording."""
+"""Everything that a fit report shows, computed once: the fit, its intervals, flies apart, other controllers."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from functools import partial
+from typing import Any, cast
 
 import numpy as np
-import scipy.signal
-from numpy.typing import NDArray
 
+from flycontrol.errors import FlycontrolError
+from flycontrol.identify.gains.alone import LoneFit, fits_alone
+from flycontrol.identify.gains.bootstrap import Bootstrap, Resampling, bootstrap
 from flycontrol.identify.gains.fit import fit_gains
-from flycontrol.identify.gains.least_squares import Loss
+from flycontrol.identify.gains.homogeneity import Homogeneity, homogeneity
+from flycontrol.identify.gains.least_squares import Loss, Minimum, WeightedProblem
+from flycontrol.identify.gains.left_out import Prediction, leave_one_out
 from flycontrol.identify.gains.model import GainModel
-from flycontrol.identify.gains.noise import Noise, whitened
-from flycontrol.identify.gains.problem import Channel, TrialPart
-from flycontrol.identify.gains.response import NAMES
+from flycontrol.identify.gains.outliers import Outlier, outliers
+from flycontrol.identify.gains.profile import Profile, profile
+from flycontrol.identify.gains.random_effects import RandomEffects, random_effects
+from flycontrol.identify.gains.recording_fits import RecordingFit, recording_fits
+from flycontrol.identify.gains.recovery_band import RecoveryAgainstStrength, recovery_against_strength
 from flycontrol.identify.gains.result import FitResult
-from flycontrol.jobs.progress import Progress, no_progress
+from flycontrol.identify.gains.selection import ControllerComparison, Validation, compare_controllers
+from flycontrol.identify.gains.stages import Stages, identity_of
+from flycontrol.identify.gains.uncertainty import LocalUncertainty
+from flycontrol.jobs.packed import Result
+from flycontrol.jobs.work import Work
+from flycontrol.model.gain_plane import GainPlane, gain_plane
 from flycontrol.model.trial import Trial
 
-FloatArray = NDArray[np.float64]
-_LAGS = 80  #: of autocorrelations, in samples
-_CURVE = 600  #: points of a fitted curve
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ChannelFit:
-    """Measured and fitted samples of one channel of one recording."""
+class Group:
+    """Flies, or recordings, fitted one by one, and how they differ."""
 
-    kind: str  #: "yaw" or "paddling"
-    time: FloatArray  #: of the samples (n,) [s]
-    measured: FloatArray  #: (n,) [rad]
-    residual: FloatArray  #: measured less fitted (n,) [rad]
-    innovation: FloatArray  #: residual with the noise's correlation removed (n,), unit variance if the noise is right
-    firsts: NDArray[np.int64]  #: indices at which a stretch without gap begins
-    curve_time: FloatArray  #: evenly over the recording (m,) [s]
-    curve: FloatArray  #: fitted (m,) [rad]
-    noise: Noise
-
-    @property
-    def rms(self) -> float:
-        """Root mean square of the residual [rad]."""
-        return float(np.sqrt(np.mean(self.residual**2)))
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class RecordingFit:
-    """One recording in the fit."""
-
-    trial: Trial
-    heading: float  #: fitted [rad]
-    channels: tuple[ChannelFit, ...]  #: yaw, then paddling where it was measured
-
-    @property
-    def yaw(self) -> ChannelFit:
-        """The first channel."""
-        return self.channels[0]
+    fits: tuple[LoneFit, ...]
+    homogeneity: Homogeneity | None = None  #: None where fewer than two could be fitted
+    effects: tuple[RandomEffects, ...] = ()  #: mean and spread of each shared unknown
+    outliers: tuple[Outlier, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FitStudy:
-    """A `FitResult` and what surrounds it."""
+    """A `FitResult` and what surrounds it; what cannot be had is None or empty, and `absent` says why."""
 
     result: FitResult
     recordings: tuple[RecordingFit, ...]
+    profiles: Mapping[str, Profile]  #: of the unknowns that all recordings share
+    flies: Group | None  #: None for one fly
+    single: Group | None  #: recordings one by one; None for one recording
+    predictions: tuple[Prediction, ...]  #: each recording from the others
+    comparison: ControllerComparison | None
+    bootstrap: Bootstrap | None  #: None where none was asked for
+    recovery: RecoveryAgainstStrength | None  #: measured beside predicted
+    plane: GainPlane | None  #: all gains at the fitted damping and delay
     seed: int
+    absent: Mapping[str, str] = field(default_factory=dict[str, str])  #: sentences by part
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FitOptions:
-    """How a study fits."""
+    """How a study fits, and what it looks at besides."""
 
     noise: str | int = "auto"
     loss: Loss = "linear"
     level: float = 0.95
     seed: int = 0
+    bootstrap: int = 0  #: fits to data drawn anew
+    resampling: Resampling = "parametric"
+    compare: bool = True  #: P, PD, PI and PID
 
 
 def fit_study(
-    trials: Sequence[Trial], model: GainModel, options: FitOptions | None = None, *, progress: Progress = no_progress
+    trials: Sequence[Trial], model: GainModel, options: FitOptions | None = None, stages: Stages | None = None
 ) -> FitStudy:
-    """Fit a model to trials and look at what the fit leaves.
+    """Fit a model to trials and look at the fit from all sides.
+
+    Parameters
+    ----------
+    trials, model
+        As of `fit_gains`.
+    options
+        How to fit.
+    stages
+        Workers, folder for finished parts, progress; the result does not depend on them.
 
     Raises
     ------
     InvalidInputError
         If the trials and the model do not fit each other.
+    OutputError
+        If finished parts cannot be kept.
     """
-    asked = options or FitOptions()
-    progress(0, 1, "fitting all recordings")
-    result = fit_gains(trials, model, noise=asked.noise, loss=asked.loss, level=asked.level)
-    progress(1, 1, "fitting all recordings")
-    return FitStudy(result=result, recordings=recording_fits(result), seed=asked.seed)
+    return _Study(trials, model, options or FitOptions(), stages or Stages()).run()
 
 
-def recording_fits(result: FitResult) -> tuple[RecordingFit, ...]:
-    """Measured, fitted and left over, recording by recording, at the least-squares values."""
-    x = result.minimum.x
-    return tuple(
-        RecordingFit(
-            trial=part.trial,
-            heading=_heading(part, x),
-            channels=tuple(
-                _channel_fit(part, channel, noise, x, k)
-                for k, (channel, noise) in enumerate(zip(part.channels, noises, strict=True))
-            ),
+class _Study:
+    """The parts in their order, and the sentences of those that could not be had."""
+
+    def __init__(self, trials: Sequence[Trial], model: GainModel, options: FitOptions, stages: Stages) -> None:
+        self.trials, self.model, self.options, self.stages = trials, model, options, stages
+        self.identity = identity_of(trials, model, options.noise, options.loss, options.level)
+        self.absent: dict[str, str] = {}
+        self.pooled = all(unknown.shared != "fly" for unknown in model.unknown.values()) and any(
+            unknown.shared == "all" for unknown in model.unknown.values()
         )
-        for part, noises in zip(result.problem.parts, result.noise, strict=True)
-    )
+
+    def run(self) -> FitStudy:
+        options = self.options
+        self.stages.progress(0, 1, "fitting all recordings")
+        result = fit_gains(self.trials, self.model, noise=options.noise, loss=options.loss, level=options.level)
+        self.stages.progress(1, 1, "fitting all recordings")
+        return FitStudy(
+            result=result,
+            recordings=recording_fits(result),
+            profiles=self._profiles(result),
+            flies=self._group("fly", len({trial.fly for trial in self.trials})),
+            single=self._group("recording", len(self.trials)),
+            predictions=self._predictions(result),
+            comparison=self._comparison(result),
+            bootstrap=self._bootstrap(result),
+            recovery=self._recovery(result),
+            plane=self._plane(result),
+            seed=options.seed,
+            absent=self.absent,
+        )
+
+    def _profiles(self, result: FitResult) -> dict[str, Profile]:
+        names = [e.name for e in result.estimates if e.name == e.kind]
+        if not result.converged or len(result.uncertainty.unidentifiable):
+            self.absent["profiles"] = f"No profiles are drawn, since the fit is {result.status}"
+            return {}
+        task = partial(
+            _profile, weighted=result.weighted, minimum=result.minimum, uncertainty=result.uncertainty,
+            level=result.level,
+        )  # fmt: skip
+        work = Work(task=task, items=names, seed=0, chunk=1, name="profiles")
+        found = self.stages.labour("profiles", self.identity).done(work)
+        return {name: Profile(**cast("dict[str, Any]", each)) for name, each in zip(names, found, strict=True)}
+
+    def _group(self, by: str, count: int) -> Group | None:
+        if count < 2 or not self.pooled:
+            return None
+        options, which = self.options, "fly" if by == "fly" else "recording"
+        fits = fits_alone(
+            self.trials, self.model, by=which, noise=options.noise, loss=options.loss,
+            labour=self.stages.labour(f"fits-by-{by}", self.identity),
+        )  # fmt: skip
+        usable = [fit for fit in fits if fit.usable]
+        if len(usable) < 2:
+            self.absent[by] = f"Only {len(usable)} of {count} could be fitted alone, so they are not compared."
+            return Group(fits=fits, outliers=outliers(fits))
+        return Group(
+            fits=fits,
+            homogeneity=homogeneity(self.trials, self.model, fits, options.loss),
+            effects=tuple(random_effects(fits, kind, options.level) for kind in usable[0].kinds),
+            outliers=outliers(fits),
+        )
+
+    def _predictions(self, result: FitResult) -> tuple[Prediction, ...]:
+        if len(self.trials) < 2 or not self.pooled or not result.converged:
+            return ()
+        return leave_one_out(result, labour=self.stages.labour("left-out", self.identity))
+
+    def _comparison(self, result: FitResult) -> ControllerComparison | None:
+        if not (self.options.compare and result.converged and self.pooled):
+            return None
+        validation = Validation() if len(self.trials) == 1 else None  # several: recordings left out say it already
+        try:
+            return compare_controllers(
+                self.trials, self.model, noise=self.options.noise, validation=validation, labour=self.stages.unkept()
+            )
+        except FlycontrolError as error:
+            self.absent["comparison"] = str(error)
+            return None
+
+    def _bootstrap(self, result: FitResult) -> Bootstrap | None:
+        options = self.options
+        if options.bootstrap < 2 or not result.converged:
+            return None
+        identity = f"{self.identity} {options.resampling}"
+        return bootstrap(
+            result, options.bootstrap, kind=options.resampling, seed=options.seed,
+            labour=self.stages.labour("bootstrap", identity),
+        )  # fmt: skip
+
+    def _recovery(self, result: FitResult) -> RecoveryAgainstStrength | None:
+        if not result.converged:
+            return None
+        try:
+            return recovery_against_strength(result, seed=self.options.seed, level=result.level)
+        except FlycontrolError as error:
+            self.absent["recovery"] = str(error)
+            return None
+
+    def _plane(self, result: FitResult) -> GainPlane | None:
+        if not (self.pooled and result.controller in ("P", "PD") and np.isfinite(result.value("kp"))):
+            return None
+        try:
+            return gain_plane(result.loop())
+        except FlycontrolError as error:
+            self.absent["plane"] = str(error)
+            return None
 
 
-def _heading(part: TrialPart, x: FloatArray) -> float:
-    return float(part.parameters(x)[NAMES.index("heading")])
-
-
-def _channel_fit(part: TrialPart, channel: Channel, noise: Noise, x: FloatArray, place: int) -> ChannelFit:
-    residual = channel.values - part.predicted(x, False)[place][0]
-    time = np.linspace(channel.times[0], channel.times[-1], _CURVE)
-    return ChannelFit(
-        kind=channel.kind,
-        time=channel.times,
-        measured=channel.values,
-        residual=residual,
-        innovation=whitened(residual[None, :], channel.firsts, noise)[0],
-        firsts=channel.firsts,
-        curve_time=time,
-        curve=part.predicted_at(x, time)[place],
-        noise=noise,
-    )
-
-
-def autocorrelation(values: FloatArray, firsts: NDArray[np.int64], lags: int = _LAGS) -> FloatArray:
-    """Correlation of samples at lags 0 to `lags` (lags + 1,), pairs within stretches without gap; NaN for no pair."""
-    products, pairs = np.zeros(lags + 1), np.zeros(lags + 1)
-    for part in np.split(values - values.mean(), firsts[1:]):
-        n = min(len(part), lags + 1)
-        products[:n] += scipy.signal.correlate(part, part, method="auto")[len(part) - 1 : len(part) - 1 + n]
-        pairs[:n] += len(part) - np.arange(n)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        covariance = products / pairs
-        return covariance / covariance[0]
+def _profile(
+    name: str,
+    rng: np.random.Generator,
+    *,
+    weighted: WeightedProblem,
+    minimum: Minimum,
+    uncertainty: LocalUncertainty,
+    level: float,
+) -> Result:
+    """One profile as the fields of a `Profile`."""
+    del rng
+    found = profile(weighted, minimum, uncertainty, name, level)
+    return {each.name: getattr(found, each.name) for each in fields(found)}

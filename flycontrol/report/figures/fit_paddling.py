@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from matplotlib.figure import Figure
 
-from flycontrol.identify.gains.study import RecordingFit
+from flycontrol.identify.gains.recording_fits import RecordingFit
 from flycontrol.model.trial import Pulse
 from flycontrol.report.figures.fit_recordings import COLUMNS, MEASURED
 from flycontrol.report.style import EXACT, GUIDE_LINE, PULSE, in_house_style, new_figure

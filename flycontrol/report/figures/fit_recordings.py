@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from flycontrol.identify.gains.study import RecordingFit
+from flycontrol.identify.gains.recording_fits import RecordingFit
 from flycontrol.model.trial import Pulse
 from flycontrol.report.style import EXACT, GUIDE_LINE, PULSE, in_house_style, new_figure
 from flycontrol.units import deg, ms

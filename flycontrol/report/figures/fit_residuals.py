@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from flycontrol.identify.gains.study import RecordingFit, autocorrelation
+from flycontrol.identify.gains.recording_fits import RecordingFit, autocorrelation
 from flycontrol.report.style import BAND, EXACT, GUIDE_LINE, INK, QUIET, in_house_style, new_figure
 from flycontrol.units import deg, ms
 

@@ -1,0 +1,108 @@
+"""The part of a fit's result.json on what surrounds the fit; `fit_result.FIELDS` says what each field holds."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from flycontrol.identify.gains.bootstrap import Bootstrap
+from flycontrol.identify.gains.profile import Profile
+from flycontrol.identify.gains.recovery_band import RecoveryAgainstStrength
+from flycontrol.identify.gains.selection import ControllerComparison
+from flycontrol.identify.gains.study import FitStudy, Group
+from flycontrol.report.fit_tables import group_sentences
+from flycontrol.units import deg, ms
+
+
+def surroundings(study: FitStudy) -> dict[str, Any]:
+    """Fields by part; None for a part that the study has not."""
+    return {
+        "profiles": [_profile(profile) for profile in study.profiles.values()],
+        "bootstrap": None if study.bootstrap is None else _bootstrap(study.bootstrap, study),
+        "controllers": None if study.comparison is None else _controllers(study.comparison),
+        "flies": None if study.flies is None else _group(study.flies),
+        "recordings_alone": None if study.single is None else _group(study.single),
+        "predictions": [
+            {"trial": p.trial, "error_deg": p.error / deg, "noise_deg": p.noise / deg, "in_noise": p.in_noise}
+            for p in study.predictions
+        ],
+        "recovery": None if study.recovery is None else _recovery(study.recovery),
+    }
+
+
+def _profile(profile: Profile) -> dict[str, Any]:
+    return {
+        "name": profile.name,
+        "values": profile.values.tolist(),
+        "deviance": profile.deviance.tolist(),
+        "threshold": profile.threshold,
+    }
+
+
+def _bootstrap(found: Bootstrap, study: FitStudy) -> dict[str, Any]:
+    shared = [e.name for e in study.result.estimates if e.name == e.kind]
+    deviations = np.sqrt(np.diag(found.covariance))
+    return {
+        "kind": found.kind,
+        "draws": len(found.draws),
+        "failed": found.failed,
+        "intervals": [_interval(found, name, study.result.level, deviations) for name in shared],
+    }
+
+
+def _interval(found: Bootstrap, name: str, level: float, deviations: np.ndarray) -> dict[str, Any]:
+    low, high = found.interval(name, level)
+    return {"name": name, "low": low, "high": high, "standard_deviation": float(deviations[found.names.index(name)])}
+
+
+def _controllers(found: ControllerComparison) -> dict[str, Any]:
+    names = ("controller", "unknowns", "deviance", "aicc", "bic", "weight")
+    return {
+        "sentence": found.sentence,
+        "noise_order": found.order,
+        "rows": [{name: getattr(r, name) for name in names} | {"error_deg": r.error / deg} for r in found.rows],
+    }
+
+
+def _group(group: Group) -> dict[str, Any]:
+    return {
+        "sentences": group_sentences(group),
+        "fits": [
+            {
+                "name": fit.name,
+                "usable": fit.usable,
+                "values": {kind: fit.estimate(kind) for kind in fit.kinds},
+                "standard_errors": {kind: fit.standard_error(kind) for kind in fit.kinds},
+            }
+            for fit in group.fits
+        ],
+        "effects": [
+            {key: value for key, value in asdict(e).items() if key not in ("unit", "count")} for e in group.effects
+        ],
+    }
+
+
+def _recovery(found: RecoveryAgainstStrength) -> dict[str, Any]:
+    band = found.band
+    return {
+        "sentence": found.sentence,
+        "tolerance_deg": band.tolerance / deg,
+        "measured": [
+            {
+                "trial": r.trial,
+                "peak_deg": r.peak / deg,
+                "time_ms": r.time / ms,
+                "low_ms": r.low / ms,
+                "high_ms": r.high / ms,
+            }
+            for r in found.measured
+        ],
+        "predicted": {
+            "peak_deg": (band.peaks / deg).tolist(),
+            "time_ms": (band.times / ms).tolist(),
+            "low_ms": (band.low / ms).tolist(),
+            "high_ms": (band.high / ms).tolist(),
+        },
+    }
