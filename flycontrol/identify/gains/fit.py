@@ -15,14 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flycontrol.errors import InvalidParameterError
-from flycontrol.identify.gains.intervals import doubtful_profiles, estimates
+from flycontrol.identify.gains.intervals import doubtful_profiles, estimates, without_meaning
 from flycontrol.identify.gains.least_squares import Loss, Minimum, NormalEquations, WeightedProblem, minimise
 from flycontrol.identify.gains.model import GainModel, gain_model
 from flycontrol.identify.gains.noise import Noise, estimate, order_by_bic, white
-from flycontrol.identify.gains.problem import Channel, FitProblem, fit_problem
+from flycontrol.identify.gains.problem import Channel, fit_problem
 from flycontrol.identify.gains.result import FitResult
 from flycontrol.identify.gains.starts import starting_points
-from flycontrol.identify.gains.uncertainty import LocalUncertainty, local_uncertainty
+from flycontrol.identify.gains.status import nothing_there, status
+from flycontrol.identify.gains.uncertainty import local_uncertainty
 from flycontrol.model.trial import Trial
 
 FloatArray = NDArray[np.float64]
@@ -71,16 +72,18 @@ def fit_gains(
     minimum = minimise(weighted, start) if start is not None else _best_minimum(weighted)
     weighted, minimum = _with_noise(weighted, minimum, noise)
     uncertainty = local_uncertainty(weighted, minimum)
-    bent = doubtful_profiles(weighted, minimum, uncertainty, level)
+    nothing = nothing_there(weighted, minimum, uncertainty)
+    bent = {} if nothing else doubtful_profiles(weighted, minimum, uncertainty, level)
     lower = next((found.lower for found in bent.values() if found.lower is not None), None)
     if lower is not None:  # a ridge led further down than all searches
         weighted, minimum = _with_noise(weighted, minimise(weighted, lower), noise)
         uncertainty = local_uncertainty(weighted, minimum)
         bent = doubtful_profiles(weighted, minimum, uncertainty, level)
+    found = estimates(weighted, minimum, uncertainty, level, bent)
+    found = without_meaning(found, nothing) if nothing else found
     return FitResult(
-        problem=problem, weighted=weighted, minimum=minimum, uncertainty=uncertainty,
-        estimates=estimates(weighted, minimum, uncertainty, level, bent), level=level, converged=minimum.converged,
-        status=_status(minimum, uncertainty, problem),
+        problem=problem, weighted=weighted, minimum=minimum, uncertainty=uncertainty, estimates=found, level=level,
+        converged=minimum.converged, status=status(weighted, minimum, uncertainty, found, nothing),
     )  # fmt: skip
 
 
@@ -178,20 +181,3 @@ def _order(residuals: FloatArray, channel: Channel, kind: str | int) -> int:
     if kind == "white":
         return 0
     return order_by_bic(residuals, channel.firsts, _LARGEST_ORDER) if kind == "auto" else int(kind)
-
-
-def _status(minimum: Minimum, uncertainty: LocalUncertainty, problem: FitProblem) -> str:
-    if not minimum.converged:
-        return (
-            f"not converged: the search stopped after {minimum.steps} steps; give starting values or fix a parameter."
-        )
-    if len(uncertainty.unidentifiable):
-        weights = np.abs(uncertainty.unidentifiable).max(axis=0)
-        lost = [name for name, weight in zip(problem.names, weights, strict=True) if weight > 0.1]
-        return (
-            f"not identifiable: {' and '.join(lost)} trade off without trace in these data; fix one or add recordings."
-        )
-    if minimum.held.any():
-        bound = [name for name, held in zip(problem.names, minimum.held, strict=True) if held]
-        return f"at a bound: {' and '.join(bound)}; the data pull further, so widen the bound or doubt the model."
-    return "converged: one minimum inside all bounds."

@@ -42,6 +42,12 @@ def estimates(
     return tuple(_profiled(e, bent[e.name]) if e.name in bent and _differs(e, bent[e.name]) else e for e in found)
 
 
+def without_meaning(found: tuple[Estimate, ...], reason: str) -> tuple[Estimate, ...]:
+    """The same where nothing was found: what describes the fly's control has intervals without ends."""
+    short = reason.partition(":")[0]
+    return tuple(e if e.kind in _LINEAR else replace(e, low=-np.inf, high=np.inf, open_because=short) for e in found)
+
+
 def _linear(
     weighted: WeightedProblem, minimum: Minimum, uncertainty: LocalUncertainty, level: float, i: int
 ) -> Estimate:

@@ -28,6 +28,7 @@ _CLOSE = 1e-4  #: Newton decrement of a point, where the threshold is about 4
 _MOST_STEPS = 40  #: of one search
 _ACCURATE = 1e-3  #: of sqrt(D) at the ends, relative
 _MOST_POINTS = 40  #: of one side
+_MOST_MISSES = 6  #: searches of one side that may not converge
 _GROWTH = 2.0  #: largest ratio of a distance from the minimum to the one before
 _FARTHEST = 1e3  #: standard errors, after which a side counts as open
 _SINGULAR = 1e-11  #: of H_ii; below it the data say nothing near the minimum
@@ -137,6 +138,7 @@ class _Walk:
         self.direction, curvature = ridge_direction(self.at, i, self._free())
         seen = curvature > _SINGULAR * self.at.matrix[i, i]
         self.unit = 1.0 / np.sqrt(curvature) if seen else 0.3 * max(abs(self.start), 1e-3)
+        self.misses = 0
         self.inside = 0.0  #: distance of the last point kept from the minimum
         self.points: list[tuple[FloatArray, float]] = []  # outwards
         self.end, self.flat, self.open_because = sign * np.inf, False, ""
@@ -171,7 +173,7 @@ class _Walk:
         """Find where D crosses the threshold between the last point inside and `outside`, first tried at `step`."""
         for _ in range(_MOST_POINTS):
             distance = min(step, self.room)
-            if distance <= self.inside * (1 + 1e-6):  # at the bound, or no progress left
+            if distance <= self.inside * (1 + 1e-6) or self.misses > _MOST_MISSES:  # at the bound, or no progress left
                 break
             found = self._reach(distance)
             if found is None:  # the search does not follow so large a step
@@ -219,6 +221,7 @@ class _Walk:
         x = self.x + self.direction * (v - self.x[self.i])
         x[self.i] = v
         found = minimise(self.weighted, x, most_steps=_MOST_STEPS, scale=1.0, close=_CLOSE, fixed=self.i)
+        self.misses += not found.converged
         return found if found.converged else None
 
     def _height(self, found: Minimum) -> tuple[float, float]:
