@@ -172,6 +172,8 @@ def _next_damping(damping: float, ratio: float) -> float:
 
 def _solved(H: FloatArray, g: FloatArray, damping: float) -> FloatArray:
     """(H + damping diag H)^-1 g for a matrix with a unit diagonal."""
+    if not len(g):  # nothing is free
+        return g
     damped = H + damping * np.eye(len(g))
     _, solution, failed = dposv(damped, g)
     if failed:  # singular to rounding: the shortest of the steps that fit best

@@ -1,0 +1,152 @@
+"""What the intervals mean for the loop: margins, poles and recovery of fits that the data allow as well.
+
+Draws of the shared unknowns, from Student's distribution with the covariance or from a bootstrap, are each a loop; the
+quantiles of what these loops do are the intervals of the fly's margins, poles and recovery time.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flycontrol.delay.response import collocation_rule
+from flycontrol.delay.spectrum import rightmost_roots
+from flycontrol.errors import InvalidParameterError
+from flycontrol.identify.gains.bootstrap import Bootstrap
+from flycontrol.identify.gains.result import FitResult
+from flycontrol.model import kernels
+from flycontrol.model.gains import PulseTask, largest_stable_delay, modulus_margins
+from flycontrol.model.yaw import YawLoop
+
+FloatArray = NDArray[np.float64]
+_SHARED = ("damping", "kp", "kd", "delay")
+_QUANTITIES = ("gain_margin", "phase_margin", "delay_margin", "modulus_margin", "recovery_time", "abscissa")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Consequences:
+    """Loops drawn from a fit and what they do; NaN where a loop is unstable, except the abscissa."""
+
+    loops: FloatArray  #: (b, 4) damping [1/s], kp [1/s^2], kd [1/s], delay [s]: the fly's cloud
+    gain_margin: FloatArray  #: (b,) smallest factor > 1 on both gains that destabilises
+    phase_margin: FloatArray  #: (b,) [rad]
+    delay_margin: FloatArray  #: (b,) [s]
+    modulus_margin: FloatArray  #: (b,) min |1 + L|
+    recovery_time: FloatArray  #: (b,) [s]; infinite if later than followed
+    abscissa: FloatArray  #: (b,) real part of the rightmost pole [1/s]
+    unstable: float  #: share of draws whose loop is unstable
+
+    def interval(self, quantity: str, level: float = 0.95) -> tuple[float, float]:
+        """Quantiles of one of the quantities over the stable loops (over all for the abscissa); NaN if there are none.
+
+        Raises
+        ------
+        InvalidParameterError
+            For an unknown quantity or a level outside of (0, 1).
+        """
+        if quantity not in _QUANTITIES or not 0 < level < 1:
+            raise InvalidParameterError(
+                f"An interval needs one of {', '.join(_QUANTITIES)} and a level in (0, 1), got {quantity!r}, {level!r}."
+            )
+        values = getattr(self, quantity)
+        values = values[~np.isnan(values)]
+        if not len(values):
+            return float("nan"), float("nan")
+        low, high = np.quantile(values, [0.5 - level / 2, 0.5 + level / 2], method="closest_observation")
+        return float(low), float(high)
+
+
+def consequences(
+    found: FitResult, task: PulseTask, draws: int = 1000, *, seed: int = 0, boot: Bootstrap | None = None
+) -> Consequences:
+    """Carry a fit's uncertainty into what its loop does.
+
+    Parameters
+    ----------
+    task
+        The pulse, scaled in every loop to the same peak, and the band that recovery is measured by.
+    boot
+        Draws of a bootstrap to use instead of the covariance's; `draws` and `seed` are then not used.
+
+    Raises
+    ------
+    InvalidParameterError
+        If the fit is not P or PD, or the covariance of its shared unknowns is not finite.
+    """
+    if found.value("ki"):
+        raise InvalidParameterError(
+            "Margins of a YawLoop need P or PD on the yaw angle; this fit has an integral term."
+        )
+    loops = _drawn(found, draws, seed) if boot is None else _of(found, boot.draws - found.uncertainty.bias)
+    b, kp, kd, T = loops.T
+    stable = _stable(loops)
+    gains = np.array([_margins(loop) if ok else (np.nan,) * 3 for loop, ok in zip(loops, stable, strict=True)])
+    modulus, recovery = np.full(len(loops), np.nan), np.full(len(loops), np.nan)
+    for i in np.flatnonzero(stable):
+        modulus[i] = modulus_margins(b[i], kp[i : i + 1], kd[i : i + 1], T[i])[0]
+        recovery[i] = _recovery(loops[i], task)
+    return Consequences(
+        loops=loops, gain_margin=gains[:, 0], phase_margin=gains[:, 1], delay_margin=gains[:, 2],
+        modulus_margin=modulus, recovery_time=recovery, abscissa=np.array([_abscissa(loop) for loop in loops]),
+        unstable=float(1 - stable.mean()),
+    )  # fmt: skip
+
+
+def _drawn(found: FitResult, draws: int, seed: int) -> FloatArray:
+    """Student's t with the fit's covariance and the smallest of its degrees of freedom, inside the bounds."""
+    kinds = found.problem.kinds
+    places = [i for i, kind in enumerate(kinds) if kind in _SHARED]
+    C = found.covariance[np.ix_(places, places)]
+    if not np.isfinite(C).all():
+        raise InvalidParameterError(
+            f"The covariance of this fit is not finite ({found.status}); carry a bootstrap into the loop instead."
+        )
+    rng = np.random.default_rng(seed)
+    values, vectors = np.linalg.eigh(C / np.sqrt(np.outer(np.diag(C), np.diag(C))))
+    root = vectors * np.sqrt(np.maximum(values, 0.0)) * np.sqrt(np.diag(C))[:, None]
+    freedom = float(found.uncertainty.freedom[places].min())
+    wide = np.sqrt(freedom / rng.chisquare(freedom, draws))
+    x = np.tile([e.value for e in found.estimates], (draws, 1))
+    x[:, places] += (rng.standard_normal((draws, len(places))) * wide[:, None]) @ root.T
+    return _of(found, x)
+
+
+def _of(found: FitResult, x: FloatArray) -> FloatArray:
+    """Damping, kp, kd and delay (b, 4) of vectors of unknowns (b, k), inside the bounds."""
+    x = np.clip(x, found.problem.low, found.problem.high)
+    columns = [
+        x[:, found.problem.kinds.index(kind)] if kind in found.problem.kinds else np.full(len(x), found.value(kind))
+        for kind in _SHARED
+    ]
+    return np.column_stack(columns)
+
+
+def _stable(loops: FloatArray) -> NDArray[np.bool_]:
+    return np.array([p > 0 and b + d > 0 and largest_stable_delay(b, p, d) > T for b, p, d, T in loops])
+
+
+def _loop(values: FloatArray) -> YawLoop:
+    b, kp, kd, delay = values.tolist()
+    return YawLoop.from_rates(b=b, kp=kp, kd=kd, delay=delay)
+
+
+def _margins(values: FloatArray) -> tuple[float, float, float]:
+    """Gain margin, phase margin [rad] and delay margin [s]."""
+    found = _loop(values).margins()
+    return found.gain_margin, found.phase_margin, found.delay_margin
+
+
+def _abscissa(values: FloatArray) -> float:
+    return float(rightmost_roots(_loop(values).closed_loop(), 1).abscissa)
+
+
+def _recovery(values: FloatArray, task: PulseTask) -> float:
+    b, kp, kd, delay = values.tolist()
+    horizon = 4 * task.duration + 24 * delay + (10 / b if b > 0 else 0.0)
+    ratio = task.tolerance / task.peak
+    times = kernels.recovery_times(
+        b, np.array([kp]), np.array([kd]), delay, task.duration, ratio, horizon, collocation_rule()
+    )
+    return float(times[0])
