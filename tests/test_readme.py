@@ -1,0 +1,40 @@
+"""What the README shows of fitting works as printed."""
+
+import contextlib
+import io
+import re
+import shlex
+from pathlib import Path
+
+from typer.testing import CliRunner
+
+from flycontrol.cli import app
+from flycontrol.identify.gains.synthetic import synthetic_experiment
+from flycontrol.io.example_files import example_files
+
+README = (Path(__file__).resolve().parents[1] / "README.md").read_text(encoding="utf-8")
+
+
+def test_a_fit_from_python_takes_five_lines_and_holds_the_truth(tmp_path, monkeypatch):
+    (block,) = [b for b in re.findall(r"^```python\n(.*?)^```$", README, re.MULTILINE | re.DOTALL) if "fit_gains" in b]
+    assert len([line for line in block.splitlines() if line]) <= 5
+    made = synthetic_experiment(0, 1)
+    (tmp_path / "demo").mkdir()
+    for name, text in example_files(made.trials, made.flies, made.impulses, 0).items():
+        (tmp_path / "demo" / name).write_text(text)
+    monkeypatch.chdir(tmp_path)
+    names, printed = {}, io.StringIO()
+    with contextlib.redirect_stdout(printed):
+        exec(compile(block, "README.md", "exec"), names)
+    assert printed.getvalue().startswith("converged")
+    delay = names["found"]["delay"]
+    assert abs(delay.value - made.flies["fly1"]["delay"]) < 4 * delay.standard_error
+
+
+def test_the_commands_of_the_readme_have_only_options_that_exist():
+    lines = [line for line in README.splitlines() if re.match(r"flycontrol (fit|example) ", line)]
+    assert len(lines) == 2
+    for line in lines:
+        words = shlex.split(line)
+        shown = CliRunner().invoke(app, [words[1], "--help"]).output
+        assert all(word in shown for word in words if word.startswith("--"))
