@@ -45,6 +45,9 @@ def test_each_draw_is_judged_as_its_loop_would_be(cloud):
     own = assess(YawLoop.from_rates(b=b, kp=kp, kd=kd, delay=delay), TASK)
     assert cloud.recovery_time[7] == pytest.approx(own.recovery_time, rel=1e-6)
     assert cloud.modulus_margin[7] == pytest.approx(own.margins.modulus_margin, rel=1e-6)
+    margins = (cloud.gain_margin[7], cloud.phase_margin[7], cloud.delay_margin[7])
+    exact = (own.margins.gain_margin, own.margins.phase_margin, own.margins.delay_margin)
+    assert margins == pytest.approx(exact, rel=1e-9)
     assert cloud.abscissa[7] == pytest.approx(own.poles[0].real, rel=1e-9)
 
 
