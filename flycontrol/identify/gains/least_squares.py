@@ -34,6 +34,11 @@ class NormalEquations:
     gradient: FloatArray  #: J^T r (k,)
     matrix: FloatArray  #: J^T J (k, k)
 
+    @property
+    def finite(self) -> bool:
+        """Whether a step can be taken from here: far astray products overflow."""
+        return bool(np.isfinite(self.cost) and np.isfinite(self.matrix).all())
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Minimum:
@@ -134,11 +139,11 @@ def minimise(
     low, high = problem.low, problem.high
     x = np.clip(x, low, high)
     at = weighted.normal_equations(x)
+    if not at.finite:
+        return Minimum(x, at, False, np.zeros(len(x), dtype=np.bool_), 0)
     damping, freedom = 1e-3, max(problem.samples - len(x), 1)
     for step in range(most_steps):
-        free = ~(((x <= low) & (at.gradient > 0)) | ((x >= high) & (at.gradient < 0)))
-        if fixed is not None:
-            free[fixed] = False
+        free = _free(problem, x, at.gradient, fixed)
         size = np.sqrt(np.maximum(np.diag(at.matrix), 1e-300))
         H, g = at.matrix / (size * size[:, None]), at.gradient / size
         if not free.all():
@@ -151,7 +156,7 @@ def minimise(
             move[free] = -_solved(H, g, damping) / size[free]
             trial = np.clip(x + move, low, high)
             there = weighted.normal_equations(trial)
-            if there.cost <= at.cost:
+            if there.cost <= at.cost and there.finite:
                 break
             damping = max(damping * 10, 1e-7)
             if damping > 1e12:
@@ -161,6 +166,14 @@ def minimise(
         damping = _next_damping(damping, float(gained / expected) if expected > 1e-9 * at.cost else 1.0)
         x, at = trial, there
     return Minimum(x, at, False, (x <= low) | (x >= high), most_steps)
+
+
+def _free(problem: FitProblem, x: FloatArray, gradient: FloatArray, fixed: int | None) -> NDArray[np.bool_]:
+    """Unknowns (k,) that a step may change: not fixed, not pushed outwards at a bound."""
+    free = ~(((x <= problem.low) & (gradient > 0)) | ((x >= problem.high) & (gradient < 0)))
+    if fixed is not None:
+        free[fixed] = False
+    return free
 
 
 def _next_damping(damping: float, ratio: float) -> float:
