@@ -16,7 +16,14 @@ from numpy.typing import NDArray
 
 from flycontrol.errors import InvalidParameterError
 from flycontrol.identify.gains.intervals import doubtful_profiles, estimates, without_meaning
-from flycontrol.identify.gains.least_squares import Loss, Minimum, NormalEquations, WeightedProblem, minimise
+from flycontrol.identify.gains.least_squares import (
+    Loss,
+    Minimum,
+    NormalEquations,
+    WeightedProblem,
+    minimise,
+    variance_of,
+)
 from flycontrol.identify.gains.model import GainModel, gain_model
 from flycontrol.identify.gains.noise import Noise, estimate, order_by_bic, white
 from flycontrol.identify.gains.problem import Channel, fit_problem
@@ -126,8 +133,7 @@ def _soft(weighted: WeightedProblem, found: Minimum) -> bool:
     if not found.converged or excess > _POOR:
         return True
     delays = [i for i, kind in enumerate(problem.kinds) if kind == "delay"]
-    errors = np.sqrt(np.maximum(excess * np.diag(np.linalg.pinv(found.at.matrix, hermitian=True)), 0.0))
-    return any(errors[i] > _LOOSE * found.x[i] for i in delays)
+    return any(excess * variance_of(found, i) > (_LOOSE * found.x[i]) ** 2 for i in delays)
 
 
 def _with_noise(weighted: WeightedProblem, minimum: Minimum, kind: str | int) -> tuple[WeightedProblem, Minimum]:

@@ -183,6 +183,15 @@ def _next_damping(damping: float, ratio: float) -> float:
     return max(0.5 * damping, 1e-12) if ratio > 0.25 else max(4 * damping, 1e-6)
 
 
+def variance_of(found: Minimum, i: int) -> float:
+    """Variance of one unknown at a minimum, in units of a whitened residual's; infinite if nothing determines it."""
+    size = np.sqrt(np.maximum(np.diag(found.at.matrix), 1e-300))
+    unit = np.zeros(len(size))
+    unit[i] = 1.0
+    variance = float(_solved(found.at.matrix / (size * size[:, None]), unit, 0.0)[i]) / size[i] ** 2
+    return variance if variance > 0 else np.inf
+
+
 def _solved(H: FloatArray, g: FloatArray, damping: float) -> FloatArray:
     """(H + damping diag H)^-1 g for a matrix with a unit diagonal."""
     if not len(g):  # nothing is free

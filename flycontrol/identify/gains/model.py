@@ -60,11 +60,11 @@ class Unknown:
 
 
 _STANDARD: dict[str, Unknown] = {
-    "kp": Unknown(),
-    "kd": Unknown(),
-    "ki": Unknown(),
+    "kp": Unknown(low=-1e5, high=1e5),  # thirty times the published fly's: beyond it a search is astray
+    "kd": Unknown(low=-1e3, high=1e3),
+    "ki": Unknown(low=-1e7, high=1e7),
     "delay": Unknown(low=1 * ms, high=60 * ms),
-    "damping": Unknown(low=0.0),
+    "damping": Unknown(low=0.0, high=2e3),
     "limit": Unknown(low=1.0),
     "paddling_gain": Unknown(),
 }

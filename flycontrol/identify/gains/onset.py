@@ -54,23 +54,24 @@ def locate_pulse(trial: Trial, duration: float = 4.5e-3) -> Pulse:
     onsets = np.linspace(
         times[0] + _EARLIEST * (times[-1] - times[0]), times[0] + _LATEST * (times[-1] - times[0]), _ONSETS
     )
-    best = _residuals(regression, onsets, duration, times)
+    best = _residuals(regression, onsets, duration, start)
     return Pulse(onset=float(onsets[np.argmin(best)]), duration=duration)
 
 
-def _residuals(regression: Regression, onsets: FloatArray, duration: float, times: FloatArray) -> FloatArray:
+def _residuals(regression: Regression, onsets: FloatArray, duration: float, start: float) -> FloatArray:
     """Least residual over the delays for each onset."""
+    n, basis = regression.integrals.shape[1], regression.basis
     lags = np.unique(np.rint(np.geomspace(2e-3, 40e-3, _LAGS) / regression.step).astype(np.int64))
-    lags = lags[(lags > 0) & (lags < len(times) // 2)]
-    columns = columns_of(regression, lags if len(lags) else np.array([1]), ("damping", "kp", "kd"), {})
-    columns = columns / np.maximum(np.sqrt(np.sum(columns**2, axis=1, keepdims=True)), 1e-300)
-    rest = columns - regression.basis @ (regression.basis.T @ columns)
-    gram = np.swapaxes(rest, 1, 2) @ rest
-    push = np.array([displacement(pulse_drive(Pulse(onset=t, duration=duration)), times) for t in onsets])
-    push = push - (push @ regression.basis) @ regression.basis.T
+    lags = lags[(lags > 0) & (lags < n // 2)]
+    columns = np.array([columns_of(regression, int(lag), ("damping", "kp", "kd"), {}) for lag in lags])
+    columns /= np.maximum(np.sqrt(np.sum(columns**2, axis=2, keepdims=True)), 1e-300)
+    rest = columns - (columns @ basis.T) @ basis
+    pulses = [pulse_drive(Pulse(onset=float(t), duration=duration)) for t in onsets]
+    push = np.array([displacement(pulse, start, regression.step, n) for pulse in pulses])
+    push -= (push @ basis.T) @ basis
     push /= np.maximum(np.sqrt(np.sum(push**2, axis=1, keepdims=True)), 1e-300)
-    along = np.einsum("on,lnc->olc", push, rest)
-    left = gram[None] - along[..., :, None] * along[..., None, :]
+    along = np.einsum("on,lcn->olc", push, rest)
+    left = rest @ np.swapaxes(rest, 1, 2) - along[..., :, None] * along[..., None, :]
     G, c = left[..., :3, :3] + 1e-9 * np.eye(3), left[..., :3, 3]
     gains = np.linalg.solve(G, c[..., None])[..., 0]
     return (left[..., 3, 3] - np.einsum("olc,olc->ol", gains, c)).min(axis=1)

@@ -8,15 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flycontrol.identify.gains.kernels import regression as kernels
 from flycontrol.identify.gains.problem import FitProblem, TrialPart
-from flycontrol.identify.gains.regression import Regression, columns_of, products_of, regressions_of
+from flycontrol.identify.gains.regression import GAINS, Regression, columns_of, products_of, regressions_of
 from flycontrol.identify.gains.response import NAMES
 
 FloatArray = NDArray[np.float64]
 _DAMPINGS = (30.0, 80.0, 160.0)  #: [1/s], where noise in the regression would bias it
 _RESTING = {"paddling_gain": 1e5, "limit": 1e4}
 _PADDLING_GAIN = NAMES.index("paddling_gain")
-_SHARED = ("damping", "kp", "kd", "ki")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,9 +32,9 @@ def starting_points(problem: FitProblem) -> Iterator[Start]:
     """One starting point for each delay tried: first the local minima of the regression's residual, best first."""
     regressions = regressions_of(problem)
     lags = _lags(problem, regressions[0].step)
-    asked = [name for name in _SHARED if name in problem.model.unknown]
-    grams = sum(products_of(regression, lags, asked, dict(problem.model.known)) for regression in regressions)
-    gains, residuals = _best_gains(np.asarray(grams), asked, problem)
+    asked = [name for name in GAINS if name in problem.model.unknown]
+    grams = sum(products_of(regression, lags, asked, problem.model.known) for regression in regressions)
+    gains, residuals = kernels.best_gains(np.asarray(grams), _dampings(problem))
     around = np.concatenate([[np.inf], residuals, [np.inf]])
     lowest = (around[:-2] >= residuals) & (residuals <= around[2:])
     order = np.lexsort((residuals, ~lowest))
@@ -55,31 +55,12 @@ def _lags(problem: FitProblem, step: float) -> NDArray[np.int64]:
     return np.unique(np.rint(np.geomspace(low, max(high, low), 14) / step).astype(np.int64))
 
 
-def _best_gains(grams: FloatArray, asked: Sequence[str], problem: FitProblem) -> tuple[FloatArray, FloatArray]:
-    """For each lag the gains (k,) and the residual; damping is tried at a few values, where noise would bias it."""
-    k = len(asked)
-    if k == 0:
-        return np.zeros((len(grams), 0)), grams[:, 0, 0]
-    dampings: list[float | None] = [None]
-    if "damping" in asked:
-        setting = problem.model.unknown["damping"]
-        tried = _DAMPINGS if setting.start is None else (setting.start,)
-        dampings = [float(np.clip(b, setting.low, setting.high)) for b in tried]
-    gains, residuals = np.zeros((len(grams), k)), np.full(len(grams), np.inf)
-    for b in dampings:
-        first = 0 if b is None else 1  # damping comes first among those asked for
-        G, c = grams[:, first:k, first:k], grams[:, first:k, k]
-        fixed = np.zeros((len(grams), 0)) if b is None else np.full((len(grams), 1), b)
-        c = c - (grams[:, first:k, :first] @ fixed[..., None])[..., 0]
-        scale = np.sqrt(np.maximum(np.diagonal(G, axis1=1, axis2=2), 1e-300))
-        scaled = G / scale[:, :, None] / scale[:, None, :] + 1e-9 * np.eye(k - first)
-        found = np.linalg.solve(scaled, (c / scale)[..., None])[..., 0] / scale
-        x = np.concatenate([fixed, found], axis=1)
-        through = np.concatenate([x, -np.ones((len(x), 1))], axis=1)
-        left = np.einsum("li,lij,lj->l", through, grams, through)
-        better = left < residuals
-        gains[better], residuals[better] = x[better], left[better]
-    return gains, residuals
+def _dampings(problem: FitProblem) -> FloatArray:
+    """Values that damping is held at, where it is unknown: noise in the regression would bias it."""
+    setting = problem.model.unknown.get("damping")
+    if setting is None:
+        return np.zeros(0)
+    return np.clip(_DAMPINGS if setting.start is None else (setting.start,), setting.low, setting.high)
 
 
 def _point(
@@ -92,8 +73,8 @@ def _point(
     x = np.zeros(len(problem.names))
     for regression in regressions:
         part = regression.part
-        columns = columns_of(regression, np.array([lag]), asked, dict(model.known))[0]
-        mine = regression.basis.T @ (columns[:, -1] - columns[:, :-1] @ gains)
+        columns = columns_of(regression, lag, asked, model.known)
+        mine = regression.basis @ (columns[-1] - gains @ columns[:-1])
         own = np.linalg.solve(regression.triangle, mine)
         here = values | _local_values(part, float(own[0]) if regression.push else 0.0)
         x[part.places] = [here.get(NAMES[i], 0.0) for i in part.active]
