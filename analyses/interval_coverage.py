@@ -1,9 +1,11 @@
 """How often do 95 % intervals of gains, delay and damping hold the truth, and how far off are the estimates on average?
 
-Run with `python analyses/coverage.py [FOLDER] [RECORDINGS] [WORKERS]`; figure and numbers go to reports/coverage unless
-a folder is given. It takes a quarter of an hour on two free cores; an interrupted run goes on where it was.
+Run with `python analyses/interval_coverage.py [FOLDER] [RECORDINGS] [WORKERS]`; figure and numbers go to
+reports/coverage unless a folder is given. It takes about ten minutes on two free cores; an interrupted run goes on
+where it was.
 """
 
+import hashlib
 import io
 import json
 import sys
@@ -119,6 +121,12 @@ def account(kind: str, free: bool, name: str, rows: np.ndarray) -> Account:
     )  # fmt: skip
 
 
+def source() -> str:
+    """Hash of the code that the fits depend on, so that no unfinished run goes on with fits of another version."""
+    files = sorted((ROOT / "flycontrol" / "identify" / "gains").rglob("*.py"))
+    return hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest()
+
+
 def accounts(recordings: int, workers: int, kept: Path) -> list[Account]:
     """Every kind of noise, damping fixed and free."""
     found: list[Account] = []
@@ -128,8 +136,9 @@ def accounts(recordings: int, workers: int, kept: Path) -> list[Account]:
                 task=partial(fitted, kind, free), items=range(recordings), seed=0, chunk=50,
                 name=f"recordings with {kind} noise, damping {'free' if free else 'fixed'}",
             )  # fmt: skip
-            checkpoint = Checkpoint(kept / f"{kind}-{'free' if free else 'fixed'}-{recordings}", identity="first")
+            checkpoint = Checkpoint(kept / f"{kind}-{'free' if free else 'fixed'}-{recordings}", identity=source())
             rows = np.array(seeded_map(work, workers, checkpoint))
+            checkpoint.remove()
             asked = SHARED if free else SHARED[:3]
             found += [account(kind, free, name, rows[:, SHARED.index(name)]) for name in asked]
     return found
