@@ -43,7 +43,8 @@ def pytest_terminal_summary(terminalreporter, config):
         terminalreporter.write(table + FOOTNOTE)
         FOLDER.mkdir(parents=True, exist_ok=True)
         machine = {"python": platform.python_version(), "processor": _processor(), "load": os.getloadavg()}
-        (FOLDER / "table.md").write_text(f"# Speed\n\n{_processor()}, Python {machine['python']}.\n\n{table}{FOOTNOTE}")
+        place = f"{_processor()}, {os.cpu_count()} cores, load {machine['load'][2]:.0f}, Python {machine['python']}."
+        (FOLDER / "table.md").write_text(f"# Speed\n\n{place}\n\n{table}{FOOTNOTE}")
         (FOLDER / "bench.json").write_text(json.dumps({"machine": machine, "rows": scoreboard.as_json(rows)}, indent=1))
 
 

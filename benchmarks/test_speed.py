@@ -38,10 +38,10 @@ def run_peer(peer, problem, ours, folder):
     try:
         done = subprocess.run(
             [sys.executable, HERE / "peers" / f"{peer}.py"],
-            input=json.dumps(problem), capture_output=True, text=True, timeout=300, check=False, cwd=folder,
+            input=json.dumps(problem), capture_output=True, text=True, timeout=1200, check=False, cwd=folder,
         )  # fmt: skip
     except subprocess.TimeoutExpired:
-        return [Row(job=ours.job, tool=peer.split("_")[0], not_run="no answer within 300 s")]
+        return [Row(job=ours.job, tool=peer.split("_")[0], not_run="no answer within 20 minutes")]
     if done.returncode:
         reason = (done.stderr.strip().splitlines() or [f"exit status {done.returncode}"])[-1]
         return [Row(job=ours.job, tool=peer.split("_")[0], not_run=reason)]

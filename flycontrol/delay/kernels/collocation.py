@@ -19,6 +19,13 @@ SUMS = {"reassoc", "contract", "nsz"}  # sums may be taken in any order
 
 
 @numba.njit(cache=True)
+def assign(target, source):
+    """target[:] = source for arrays of one index; Numba would spend seconds compiling the message for a misfit."""
+    for i in range(len(target)):
+        target[i] = source[i]
+
+
+@numba.njit(cache=True)
 def inverse(M):
     """Inverse by Gauss-Jordan with row pivoting where LAPACK's call would cost more; NaN if singular."""
     n = M.shape[0]
@@ -73,15 +80,22 @@ def factor(A, h, R, S):
         return
     square = product(M, M)
     identity = np.eye(n)
-    R[s - 1] = identity
+    R[s - 1] = 0.0
+    for a in range(n):
+        R[s - 1, a, a] = 1.0
     for k in range(s - 2, -1, -1):
         # M G_{k+1} / (2k + 3) = R_{k+1} M^2 / ((2k + 1) (2k + 3)), as all these matrices are functions of M
         inner = identity + product(R[k + 1], square) / ((2.0 * k + 1.0) * (2.0 * k + 3.0))
         if k == 0:
             inner -= M
-        R[k] = inverse(inner)
+        settled = inverse(inner)
+        for a in range(n):
+            assign(R[k, a], settled[a])
     for k in range(s):
-        S[k] = product(R[k], M) / (2.0 * k + 3.0)
+        coupling = product(R[k], M)
+        for a in range(n):
+            for b in range(n):
+                S[k, a, b] = coupling[a, b] / (2.0 * k + 3.0)
 
 
 @numba.njit(cache=True)

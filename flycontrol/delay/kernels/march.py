@@ -5,7 +5,16 @@ from __future__ import annotations
 import numba
 import numpy as np
 
-from flycontrol.delay.kernels.collocation import SUMS, chebyshev_from, clenshaw, factor, legendre, solve, transformed
+from flycontrol.delay.kernels.collocation import (
+    SUMS,
+    assign,
+    chebyshev_from,
+    clenshaw,
+    factor,
+    legendre,
+    solve,
+    transformed,
+)
 
 _LANES = 64
 
@@ -128,7 +137,7 @@ def _delayed(c, panel, t0, h, starts, lengths, delay, z_series, nodes, to_legend
         k += 1
     where[c] = k
     if abs(starts[k] - first) <= sliver and abs(lengths[k] - h) <= sliver:  # a whole earlier panel
-        w[:] = z_series[k, c]
+        assign(w, z_series[k, c])
         return
     if starts[k] + lengths[k] >= first + h - 1e-9 * h and not z_series[k, c, 1:].any():  # at rest
         w[:] = 0.0
@@ -150,7 +159,7 @@ def held(edges, inputs, starts, lengths, degree):
     for panel in range(len(starts)):
         while edge + 1 < len(edges) and edges[edge + 1] <= starts[panel] + 1e-9 * lengths[panel]:
             edge += 1
-        series[panel, :, 0] = inputs[edge]
+        assign(series[panel, :, 0], inputs[edge])
     return series
 
 
@@ -223,7 +232,9 @@ def march_panels(blocks, grid, past, u_series, jumps, x0, rule):
     kinds = np.full(slots, -1.0)
     oldest = 0
     z_series = np.empty((H + P, q, s + 1))
-    z_series[:H] = past[2]
+    for k in range(H):
+        for i in range(q):
+            assign(z_series[k, i], past[2][k, i])
     y_series, states = np.empty((P, p, s + 1)), np.empty((P + 1, n))
     x_series, w_series = np.empty((P, s + 1, n)), np.empty((P, q, s + 1))
     F, c = np.empty((s + 1, n)), np.empty((s, n))
@@ -242,7 +253,7 @@ def march_panels(blocks, grid, past, u_series, jumps, x0, rule):
             factor(A, h, R[kind], S[kind])
         if len(jumps):
             x += jumps[panel]
-        states[panel] = x
+        assign(states[panel], x)
         u, W, X = u_series[panel], w_series[panel], x_series[panel]
         for i in range(q):
             _delayed(
@@ -260,7 +271,7 @@ def march_panels(blocks, grid, past, u_series, jumps, x0, rule):
             chebyshev_from(to_chebyshev, y, y_series[panel, row])
         for row in range(q):
             _readout(C2, D21, D22, X, u, W, row, z_series[H + panel, row])
-    states[P] = x
+    assign(states[P], x)
     return y_series, states, x_series, w_series, z_series
 
 
@@ -300,7 +311,7 @@ def constant_past(z0, tau, degree):
     """One panel of the past, as long as the longest delay, on which the delayed signals are z0 (q,)."""
     longest = tau.max() if len(tau) else 1.0
     series = np.zeros((1, len(tau), degree + 1))
-    series[0, :, 0] = z0
+    assign(series[0, :, 0], z0)
     return np.array([-longest]), np.array([longest]), series
 
 
