@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from flycontrol.identify.gains.data_limits import what_the_data_cannot_say
 from flycontrol.identify.gains.least_squares import Minimum, WeightedProblem
 from flycontrol.identify.gains.result import Estimate
 from flycontrol.identify.gains.score import score_tests
@@ -41,9 +42,10 @@ def status(
 
 
 def nothing_there(weighted: WeightedProblem, minimum: Minimum, uncertainty: LocalUncertainty) -> str:
-    """A sentence if no perturbation is visible or no response found; otherwise empty."""
-    if all(part.trial.perturbation is None for part in weighted.problem.parts):
-        return ""
+    """A sentence if the data cannot say anything, no perturbation is visible or no response found; otherwise empty."""
+    limits = what_the_data_cannot_say(weighted.problem, minimum)
+    if limits:
+        return limits
     moved = perturbation_test(weighted, minimum, uncertainty)
     if moved is not None and moved.p > _LEVEL:
         return (
