@@ -13,10 +13,9 @@ from numpy.polynomial import Chebyshev, Polynomial
 from numpy.typing import NDArray
 
 from flycontrol.flight.coefficients import COEFFICIENTS, CoefficientName
+from flycontrol.flight.kernels.air import TERMS
 
 FloatArray = NDArray[np.float64]
-
-TERMS = 11  #: errors of dickinson1999 below 1e-9
 
 
 @cache

@@ -60,7 +60,7 @@ class March:
             if done < steps:
                 status = _diverged(beat, self.y)
                 break
-            sample_now(self.y, drive[-1], outside[-1], *self.constants.arguments, samples[stored])
+            sample_now(self.y, drive, outside, *self.constants.arguments, samples[stored])
         phase = first + np.arange(stored + (status == "complete")) / per_beat
         trajectory = trajectory_of(samples[: len(phase)], phase, self.stroke.frequency, per_beat)
         return replace(trajectory, wingbeats=first + stored // per_beat, status=status, step_error=error)

@@ -5,8 +5,8 @@ import pinocchio as pin
 
 from flycontrol.flight.kernels.wing import CENTRE_C, CENTRE_S, CONSTANTS, I_CC, I_NN, I_SC, I_SS, MASS
 
-NO_BLADES = np.zeros((2, 5, 1))
-NO_COEFFICIENTS = np.zeros((5, 1))
+NO_BLADES = np.zeros((2, 4, 1))
+NO_COEFFICIENTS = np.zeros((5, 9))
 FREE = (1.0, 1.0, 1.0)
 ZERO = (0.0, 0.0, 0.0)
 

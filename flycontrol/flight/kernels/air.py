@@ -10,60 +10,66 @@ from __future__ import annotations
 import numba
 import numpy as np
 
-from flycontrol.flight.kernels.vectors import COMPILED
+from flycontrol.flight.kernels.vectors import INLINED
 
-#: Rows of the blades: radius [m]; 1/2 rho c dr [kg/m]; 1/2 rho c^2 dr [kg]; C_R rho c^2 dr [kg]; C_R rho c^3 dr [kg m].
-RADIUS, PRESSURE, PRESSURE_ARM, CIRCULATION, CIRCULATION_ARM = range(5)
+#: Rows of the blades: radius [m]; 1/2 rho c dr [kg/m]; 1/2 rho c^2 dr [kg]; C_R rho c^3 dr [kg m].
+RADIUS, PRESSURE, PRESSURE_ARM, CIRCULATION_ARM = range(4)
 #: Rows of the polynomials in z^2.
 LIFT_EVEN, LIFT_ODD, DRAG_EVEN, DRAG_ODD, CENTRE_ODD = range(5)
+#: Terms of each polynomial; constant, so that the blades run in lanes.
+TERMS = 9
 _ROOT_HALF = np.sqrt(0.5)
 _STILL = 1e-40  # [m^2/s^2]: keeps a blade at rest from dividing by zero
 
 
-@numba.njit(**COMPILED)
-def blade_loads(u_c, u_n, by_radius_c, by_radius_n, spin, blades, polynomials, centre):
+@numba.njit(**INLINED)
+def blade_loads(u, by_radius, spin, side, blades, polynomials, centre, circulation):
     """Sum translational and rotational forces over the blades.
 
-    A blade at r moves with (u_c + r by_radius_c, u_n + r by_radius_n); `spin` is the wing's angular velocity about its
-    span; `centre` = (pitch axis less centre of pressure at 90 deg, a quarter of its travel), in chords. Returns two
-    tuples (F_c, F_n, N_s, N_c, N_n), forces [N] and torques about the hinge [N m].
+    A blade at r moves with u + r by_radius, along chord and normal; `spin` is the wing's angular velocity about its
+    span, `side` 0 for the left wing's blades, `centre` = (pitch axis less centre of pressure at 90 deg, a quarter of
+    its travel) in chords, `circulation` = integrals of C_R rho c^2 r^k dr. Returns two tuples (F_c, F_n, N_s, N_c,
+    N_n), forces [N] and torques about the hinge [N m]. The rotational force is linear in u: only its arm needs blades.
     """
-    t_c, t_n, t_span, t_cr, t_nr = 0.0, 0.0, 0.0, 0.0, 0.0
-    r_c, r_n, r_span, r_cr, r_nr = 0.0, 0.0, 0.0, 0.0, 0.0
+    t_c, t_n, t_span, t_cr, t_nr, r_span = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     ahead, quarter = centre
-    terms = polynomials.shape[1]
-    for j in range(blades.shape[1]):
-        r = blades[RADIUS, j]
+    u_c, u_n = u
+    by_radius_c, by_radius_n = by_radius
+    for j in range(blades.shape[2]):
+        r = blades[side, RADIUS, j]
         c = u_c + r * by_radius_c
         n = u_n + r * by_radius_n
-        square = c * c + n * n + _STILL
-        speed = np.sqrt(square)
+        speed = np.sqrt(c * c + n * n + _STILL)
         z = _ROOT_HALF * (abs(n) - abs(c)) / speed
         z2 = z * z
-        lift_even, lift_odd = polynomials[LIFT_EVEN, terms - 1], polynomials[LIFT_ODD, terms - 1]
-        drag_even, drag_odd = polynomials[DRAG_EVEN, terms - 1], polynomials[DRAG_ODD, terms - 1]
-        travel = polynomials[CENTRE_ODD, terms - 1]
-        for k in range(terms - 2, -1, -1):
+        lift_even, lift_odd = polynomials[LIFT_EVEN, TERMS - 1], polynomials[LIFT_ODD, TERMS - 1]
+        drag_even, drag_odd = polynomials[DRAG_EVEN, TERMS - 1], polynomials[DRAG_ODD, TERMS - 1]
+        travel = polynomials[CENTRE_ODD, TERMS - 1]
+        for k in range(TERMS - 2, -1, -1):
             lift_even = lift_even * z2 + polynomials[LIFT_EVEN, k]
             lift_odd = lift_odd * z2 + polynomials[LIFT_ODD, k]
             drag_even = drag_even * z2 + polynomials[DRAG_EVEN, k]
             drag_odd = drag_odd * z2 + polynomials[DRAG_ODD, k]
             travel = travel * z2 + polynomials[CENTRE_ODD, k]
-        lift = np.copysign(1.0, c * n) * (lift_even + z * lift_odd)
+        lift = np.copysign(lift_even + z * lift_odd, c * n)
         drag = drag_even + z * drag_odd
-        arm = ahead + np.copysign(1.0, c) * (quarter - z * travel)  # a wing moving backwards: a = 180 deg - a
-        p_c = -speed * (drag * c - lift * n)
+        arm = ahead + np.copysign(quarter - z * travel, c)  # a wing moving backwards: a = 180 deg - a
+        p_c = speed * (lift * n - drag * c)
         p_n = -speed * (drag * n + lift * c)
-        pressure = blades[PRESSURE, j]
-        t_c += pressure * p_c
-        t_n += pressure * p_n
-        t_cr += pressure * r * p_c
-        t_nr += pressure * r * p_n
-        t_span += blades[PRESSURE_ARM, j] * arm * p_n
-        circulation = blades[CIRCULATION, j] * spin
-        r_c -= circulation * n
-        r_n += circulation * c
-        r_cr -= circulation * r * n
-        r_nr += circulation * r * c
-        r_span += blades[CIRCULATION_ARM, j] * spin * arm * c
-    return (t_c, t_n, t_span, -t_nr, t_cr), (r_c, r_n, r_span, -r_nr, r_cr)
+        p_c *= blades[side, PRESSURE, j]
+        t_span += blades[side, PRESSURE_ARM, j] * arm * p_n
+        p_n *= blades[side, PRESSURE, j]
+        t_c += p_c
+        t_n += p_n
+        t_cr += r * p_c
+        t_nr += r * p_n
+        r_span += blades[side, CIRCULATION_ARM, j] * arm * c
+    g_0, g_1, g_2 = circulation[0] * spin, circulation[1] * spin, circulation[2] * spin
+    rotational = (
+        -(g_0 * u_n + g_1 * by_radius_n),
+        g_0 * u_c + g_1 * by_radius_c,
+        spin * r_span,
+        -(g_1 * u_c + g_2 * by_radius_c),
+        -(g_1 * u_n + g_2 * by_radius_n),
+    )
+    return (t_c, t_n, t_span, -t_nr, t_cr), rotational

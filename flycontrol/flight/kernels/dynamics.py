@@ -16,7 +16,7 @@ from __future__ import annotations
 import numba
 
 from flycontrol.flight.kernels.vectors import (
-    COMPILED,
+    INLINED,
     add,
     axial_mirrored,
     combined,
@@ -50,6 +50,7 @@ from flycontrol.flight.kernels.wing import (
     MASS,
     out_of_wing,
     wing_bias,
+    wing_constants,
     wing_frame,
 )
 
@@ -58,13 +59,13 @@ BODY_CONSTANTS = 10
 NOTHING = (0.0, 0.0, 0.0)
 
 
-@numba.njit(**COMPILED)
+@numba.njit(**INLINED)
 def _torque_of(J, K):
     """K J, K = (ss, sc, cc, nn)."""
     return (K[0] * J[0] + K[1] * J[1], K[1] * J[0] + K[2] * J[1], K[3] * J[2])
 
 
-@numba.njit(**COMPILED)
+@numba.njit(**INLINED)
 def wing_matrices(frame, h, constants):
     """What the wing and its air add to M_aa, M_aw, M_ww; and B_sn, B_cn, B_ns, B_nc, K for its joint."""
     span, chord, normal = frame
@@ -100,7 +101,7 @@ def wing_matrices(frame, h, constants):
     return M_aa, M_aw, M_ww, B, K
 
 
-@numba.njit(**COMPILED)
+@numba.njit(**INLINED)
 def _joint_column(J, frame, h, B, K):
     """Columns of M_aq and M_wq, and K J."""
     along = out_of_wing(frame, (B[0] * J[2], B[1] * J[2], B[2] * J[0] + B[3] * J[1]))
@@ -108,7 +109,7 @@ def _joint_column(J, frame, h, B, K):
     return along, add(out_of_wing(frame, torque), cross(h, along)), torque
 
 
-@numba.njit(**COMPILED)
+@numba.njit(**INLINED)
 def wing_joints(by_stroke, by_deviation, frame, h, B, K):
     """Columns of M_aq, of M_wq, and K J, joint by joint."""
     a0, t0, k0 = _joint_column(by_stroke, frame, h, B, K)
@@ -117,27 +118,28 @@ def wing_joints(by_stroke, by_deviation, frame, h, B, K):
     return (a0, a1, a2), (t0, t1, t2), (k0, k1, k2)
 
 
-@numba.njit(**COMPILED)
+@numba.njit(**INLINED)
 def _less_rows(M, a, b):
     """M - a b^T."""
     return (minus(M[0], scaled(a[0], b)), minus(M[1], scaled(a[1], b)), minus(M[2], scaled(a[2], b)))
 
 
-@numba.njit(**COMPILED)
+@numba.njit(**INLINED)
 def _half_pair(a, b):
     """a b^T, of which the sum over joints is symmetric."""
     return (a[0] * b[0], a[0] * b[1], a[0] * b[2], a[1] * b[1], a[1] * b[2], a[2] * b[2])
 
 
-@numba.njit(**COMPILED)
-def wing_share(angles, rates, accelerations, torque, freed, body, h, constants, blades, polynomials):
+@numba.njit(**INLINED)
+def wing_share(angles, rates, accelerations, torque, freed, body, h, side, wings, blades, polynomials):
     """Share of one wing, as a right wing, in the body's equations, its free joints eliminated.
 
     `accelerations` are those of prescribed joints, 0 of free ones; `freed` is 1 for a free joint, else 0. Returns
     M_aa, M_aw, M_ww, f, n about the centre of mass, and x_k, y_k, z_k, q_k of q''_k = q_k - x_k . v' - y_k . w'.
     """
+    constants = wing_constants(wings, side)
     frame, by_stroke, by_deviation = wing_frame(angles[0], angles[1], angles[2])
-    f, n = wing_bias(frame, by_stroke, by_deviation, rates, accelerations, body, constants, blades, polynomials)
+    f, n = wing_bias(frame, by_stroke, by_deviation, rates, accelerations, body, constants, side, blades, polynomials)
     M_aa, M_aw, M_ww, B, K = wing_matrices(frame, h, constants)
     f_S = out_of_wing(frame, f)
     n_S = add(out_of_wing(frame, n), cross(h, f_S))
@@ -175,23 +177,23 @@ def wing_share(angles, rates, accelerations, torque, freed, body, h, constants, 
     return M_aa, M_aw, M_ww, f_S, n_S, x, y, q
 
 
-@numba.njit(**COMPILED)
-def _sum_mirrored(A, B):
-    """A + B seen in the mirror y = 0, both force to force or torque to torque."""
-    return (A[0] + B[0], A[1] - B[1], A[2] + B[2], A[3] + B[3], A[4] - B[4], A[5] + B[5])
+@numba.njit(**INLINED)
+def _with_mirrored(A, B, side):
+    """A + B seen in the mirror of `side`, both force to force or torque to torque."""
+    return (A[0] + B[0], A[1] + side * B[1], A[2] + B[2], A[3] + B[3], A[4] + side * B[4], A[5] + B[5])
 
 
-@numba.njit(**COMPILED)
-def _sum_mirrored_mixed(A, B):
-    """A + B seen in the mirror y = 0, from angular acceleration to force."""
+@numba.njit(**INLINED)
+def _with_mirrored_mixed(A, B, side):
+    """A + B seen in the mirror of `side`, from angular acceleration to force."""
     return (
-        (A[0][0] - B[0][0], A[0][1] + B[0][1], A[0][2] - B[0][2]),
-        (A[1][0] + B[1][0], A[1][1] - B[1][1], A[1][2] + B[1][2]),
-        (A[2][0] - B[2][0], A[2][1] + B[2][1], A[2][2] - B[2][2]),
+        (A[0][0] + side * B[0][0], A[0][1] + B[0][1], A[0][2] + side * B[0][2]),
+        (A[1][0] + B[1][0], A[1][1] + side * B[1][1], A[1][2] + B[1][2]),
+        (A[2][0] + side * B[2][0], A[2][1] + B[2][1], A[2][2] + side * B[2][2]),
     )
 
 
-@numba.njit(**COMPILED)
+@numba.njit(**INLINED)
 def _held(M, free, unit):
     """Equations of held freedoms replaced by unit * acceleration = 0."""
     a, b, c = free
@@ -205,7 +207,7 @@ def _held(M, free, unit):
     )
 
 
-@numba.njit(**COMPILED)
+@numba.njit(**INLINED)
 def _solved(M_aa, M_aw, M_ww, force, torque, free_v, free_w):
     """v' and w' of the body from its own equations, held freedoms kept."""
     if free_v[0] + free_v[1] + free_v[2] + free_w[0] + free_w[1] + free_w[2] < 6.0:
@@ -231,7 +233,7 @@ def _solved(M_aa, M_aw, M_ww, force, torque, free_v, free_w):
     return dv, dw
 
 
-@numba.njit(**COMPILED)
+@numba.njit(**INLINED)
 def accelerations(v, w, gravity, left, right, force, torque, free_v, free_w, body, wings, blades, polynomials):
     """v', w', q''_left, q''_right.
 
@@ -241,25 +243,31 @@ def accelerations(v, w, gravity, left, right, force, torque, free_v, free_w, bod
     m = body[0]
     inertia = (body[1], body[2], body[3], body[4], body[5], body[6])
     h = (body[7], body[8], body[9])
-    v_m, w_m, g_m = polar_mirrored(v), axial_mirrored(w), polar_mirrored(gravity)
-    R = wing_share(
-        right[0], right[1], right[2], right[3], right[4],
-        (add(v, cross(w, h)), w, gravity), h, wings[1], blades[1], polynomials,
-    )  # fmt: skip
-    L = wing_share(
-        left[0], left[1], left[2], left[3], left[4],
-        (add(v_m, cross(w_m, h)), w_m, g_m), h, wings[0], blades[0], polynomials,
-    )  # fmt: skip
-    M_aa = _sum_mirrored(R[0], L[0])
-    M_aa = (M_aa[0] + m, M_aa[1], M_aa[2], M_aa[3] + m, M_aa[4], M_aa[5] + m)
-    M_aw = _sum_mirrored_mixed(R[1], L[1])
-    M_ww = sum_of(_sum_mirrored(R[2], L[2]), inertia)
-    own = scaled(m, minus(cross(w, v), gravity))
-    spin = cross(w, symmetric_times(inertia, w))
-    f = minus(force, add(own, add(R[3], polar_mirrored(L[3]))))
-    n = minus(torque, add(spin, add(R[4], axial_mirrored(L[4]))))
+    M_aa = (m, 0.0, 0.0, m, 0.0, m)
+    M_aw = (NOTHING, NOTHING, NOTHING)
+    M_ww = inertia
+    f = minus(force, scaled(m, minus(cross(w, v), gravity)))
+    n = minus(torque, cross(w, symmetric_times(inertia, w)))
+    x_left, y_left, q_left, x_right, y_right, q_right = M_aw, M_aw, NOTHING, M_aw, M_aw, NOTHING
+    for k in range(2):  # a loop, not two copies: straight-line code must fit the first cache
+        side = 2.0 * k - 1.0
+        wing = left if k == 0 else right
+        v_m, w_m = polar_mirrored(v, side), axial_mirrored(w, side)
+        moving = (add(v_m, cross(w_m, h)), w_m, polar_mirrored(gravity, side))
+        share = wing_share(
+            wing[0], wing[1], wing[2], wing[3], wing[4], moving, h, k, wings, blades, polynomials
+        )  # fmt: skip
+        M_aa = _with_mirrored(M_aa, share[0], side)
+        M_aw = _with_mirrored_mixed(M_aw, share[1], side)
+        M_ww = _with_mirrored(M_ww, share[2], side)
+        f = minus(f, polar_mirrored(share[3], side))
+        n = minus(n, axial_mirrored(share[4], side))
+        if k == 0:
+            x_left, y_left, q_left = share[5], share[6], share[7]
+        else:
+            x_right, y_right, q_right = share[5], share[6], share[7]
     dv, dw = _solved(M_aa, M_aw, M_ww, f, n, free_v, free_w)
-    q_right = minus(R[7], add(matrix_times(R[5], dv), matrix_times(R[6], dw)))
-    dv_m, dw_m = polar_mirrored(dv), axial_mirrored(dw)
-    q_left = minus(L[7], add(matrix_times(L[5], dv_m), matrix_times(L[6], dw_m)))
+    q_right = minus(q_right, add(matrix_times(x_right, dv), matrix_times(y_right, dw)))
+    dv_m, dw_m = polar_mirrored(dv, -1.0), axial_mirrored(dw, -1.0)
+    q_left = minus(q_left, add(matrix_times(x_left, dv_m), matrix_times(y_left, dw_m)))
     return dv, dw, add(q_left, left[2]), add(q_right, right[2])

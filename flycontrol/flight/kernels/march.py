@@ -6,7 +6,7 @@ import numba
 import numpy as np
 
 from flycontrol.flight.kernels.dynamics import accelerations
-from flycontrol.flight.kernels.vectors import COMPILED, add, scaled
+from flycontrol.flight.kernels.vectors import COMPILED, INLINED, add, scaled
 
 #: Columns of a state: position in W, quaternion S to W, velocity and angular velocity in S, wing angles and rates.
 POSITION, QUATERNION, VELOCITY, SPIN, LEFT, RIGHT, LEFT_RATE, RIGHT_RATE, STATES = 0, 3, 7, 10, 13, 16, 19, 22, 25
@@ -20,36 +20,44 @@ FREED, STIFFNESS, DAMPING, REST = range(4)
 FASTEST, FASTEST_SPIN = 1e2, 1e5
 
 
-@numba.njit(**COMPILED)
+@numba.njit(**INLINED)
 def three(array, k):
     """Three entries from k on."""
     return (array[k], array[k + 1], array[k + 2])
 
 
-@numba.njit(**COMPILED)
-def _joint_state(own, driven, joints):
-    """Angles or rates: a free joint's own, a prescribed joint's from the table."""
+@numba.njit(**INLINED)
+def _joint_state(own, drive, row, side, kind, joints):
+    """Angles (kind 0) or rates (kind 3): a free joint's own, a prescribed joint's from the table."""
     return (
-        own[0] if joints[0, FREED] > 0.0 else driven[0],
-        own[1] if joints[1, FREED] > 0.0 else driven[1],
-        own[2] if joints[2, FREED] > 0.0 else driven[2],
+        own[0] if joints[side, 0, FREED] > 0.0 else drive[row, side, kind],
+        own[1] if joints[side, 1, FREED] > 0.0 else drive[row, side, kind + 1],
+        own[2] if joints[side, 2, FREED] > 0.0 else drive[row, side, kind + 2],
     )
 
 
-@numba.njit(**COMPILED)
-def _wing(angles, rates, drive, joints):
+@numba.njit(**INLINED)
+def _torque(k, angle, rate, drive, row, side, joints):
+    """What the table, a spring and a damper exert at a joint."""
+    spring = joints[side, k, STIFFNESS] * (angle - joints[side, k, REST]) + joints[side, k, DAMPING] * rate
+    return drive[row, side, 9 + k] - spring
+
+
+@numba.njit(**INLINED)
+def _wing(angles, rates, drive, row, side, joints):
     """(angles, rates, prescribed accelerations, torques, freed) of one wing."""
-    q = _joint_state(angles, three(drive, 0), joints)
-    r = _joint_state(rates, three(drive, 3), joints)
+    q = _joint_state(angles, drive, row, side, 0, joints)
+    r = _joint_state(rates, drive, row, side, 3, joints)
     torque = (
-        drive[9] - joints[0, STIFFNESS] * (q[0] - joints[0, REST]) - joints[0, DAMPING] * r[0],
-        drive[10] - joints[1, STIFFNESS] * (q[1] - joints[1, REST]) - joints[1, DAMPING] * r[1],
-        drive[11] - joints[2, STIFFNESS] * (q[2] - joints[2, REST]) - joints[2, DAMPING] * r[2],
+        _torque(0, q[0], r[0], drive, row, side, joints),
+        _torque(1, q[1], r[1], drive, row, side, joints),
+        _torque(2, q[2], r[2], drive, row, side, joints),
     )
-    return q, r, three(drive, 6), torque, (joints[0, FREED], joints[1, FREED], joints[2, FREED])
+    given = (drive[row, side, 6], drive[row, side, 7], drive[row, side, 8])
+    return q, r, given, torque, (joints[side, 0, FREED], joints[side, 1, FREED], joints[side, 2, FREED])
 
 
-@numba.njit(**COMPILED)
+@numba.njit(**INLINED)
 def _world(q, a):
     """R(q) a = a + 2 q_0 (u x a) + 2 u x (u x a), u the vector part."""
     w, x, y, z = q
@@ -61,13 +69,13 @@ def _world(q, a):
     )
 
 
-@numba.njit(**COMPILED)
+@numba.njit(**INLINED)
 def in_body(q, a):
     """Components in S of a vector given in W."""
     return _world((q[0], -q[1], -q[2], -q[3]), a)
 
 
-@numba.njit(**COMPILED)
+@numba.njit(**INLINED)
 def _turning(q, w):
     """q' = q (0, w) / 2."""
     return (
@@ -78,24 +86,25 @@ def _turning(q, w):
     )
 
 
-@numba.njit(**COMPILED)
-def rates_of_change(state, drive, joints, outside, free, gravity, body, wings, blades, polynomials):
+@numba.njit(**INLINED)
+def rates_of_change(state, drive, row, joints, outside, k, free, gravity, body, wings, blades, polynomials):
     """Rate of change of a state (p, q, v, w, left, right, left rates, right rates); its last entries are q''.
 
     Also the wings' rates as they are, since prescribed ones come from the drive.
     """
     _, q, v, w, left_angles, right_angles, left_rates, right_rates = state
-    left = _wing(left_angles, left_rates, drive[0], joints[0])
-    right = _wing(right_angles, right_rates, drive[1], joints[1])
+    left = _wing(left_angles, left_rates, drive, row, 0, joints)
+    right = _wing(right_angles, right_rates, drive, row, 1, joints)
     down = in_body(q, gravity)
     dv, dw, left_q, right_q = accelerations(
-        v, w, down, left, right, three(outside, 0), three(outside, 3), three(free, 0), three(free, 3),
+        v, w, down, left, right, (outside[k, 0], outside[k, 1], outside[k, 2]),
+        (outside[k, 3], outside[k, 4], outside[k, 5]), three(free, 0), three(free, 3),
         body, wings, blades, polynomials,
     )  # fmt: skip
     return (_world(q, v), _turning(q, w), dv, dw, left[1], right[1], left_q, right_q)
 
 
-@numba.njit(**COMPILED)
+@numba.njit(**INLINED)
 def _moved(state, h, rate):
     """State + h rate."""
     q, dq = state[1], rate[1]
@@ -111,7 +120,7 @@ def _moved(state, h, rate):
     )
 
 
-@numba.njit(**COMPILED)
+@numba.njit(**INLINED)
 def _unpacked(y):
     return (
         three(y, POSITION), (y[3], y[4], y[5], y[6]), three(y, VELOCITY), three(y, SPIN),
@@ -119,35 +128,35 @@ def _unpacked(y):
     )  # fmt: skip
 
 
-@numba.njit(**COMPILED)
+@numba.njit(**INLINED)
 def pack_three(y, k, a):
     """Store three entries from k on."""
     y[k], y[k + 1], y[k + 2] = a
 
 
-@numba.njit(**COMPILED)
-def _pack(y, state, drive, joints):
+@numba.njit(**INLINED)
+def _pack(y, state, drive, row, joints):
     """Store a state, prescribed joints as driven."""
     pack_three(y, POSITION, state[0])
     y[3], y[4], y[5], y[6] = state[1]
     pack_three(y, VELOCITY, state[2])
     pack_three(y, SPIN, state[3])
-    pack_three(y, LEFT, _joint_state(state[4], three(drive[0], 0), joints[0]))
-    pack_three(y, RIGHT, _joint_state(state[5], three(drive[1], 0), joints[1]))
-    pack_three(y, LEFT_RATE, _joint_state(state[6], three(drive[0], 3), joints[0]))
-    pack_three(y, RIGHT_RATE, _joint_state(state[7], three(drive[1], 3), joints[1]))
+    pack_three(y, LEFT, _joint_state(state[4], drive, row, 0, 0, joints))
+    pack_three(y, RIGHT, _joint_state(state[5], drive, row, 1, 0, joints))
+    pack_three(y, LEFT_RATE, _joint_state(state[6], drive, row, 0, 3, joints))
+    pack_three(y, RIGHT_RATE, _joint_state(state[7], drive, row, 1, 3, joints))
 
 
-@numba.njit(**COMPILED)
-def _store(sample, state, rate, drive, joints):
-    _pack(sample, state, drive, joints)
+@numba.njit(**INLINED)
+def _store(sample, state, rate, drive, row, joints):
+    _pack(sample, state, drive, row, joints)
     pack_three(sample, STATES, rate[2])
     pack_three(sample, STATES + 3, rate[3])
     pack_three(sample, STATES + 6, rate[6])
     pack_three(sample, STATES + 9, rate[7])
 
 
-@numba.njit(**COMPILED)
+@numba.njit(**INLINED)
 def _flying(state):
     """Whether the state is finite and slower than anything that flies."""
     v, w = state[2], state[3]
@@ -181,31 +190,30 @@ def march(y, drive, h, outside, stride, joints, free, gravity, body, wings, blad
     g = three(gravity, 0)
     steps = outside.shape[0]
     for k in range(steps):
-        rate = rates_of_change(state, drive[2 * k], joints, outside[k], free, g, body, wings, blades, polynomials)
-        if k % stride == 0:
-            _store(samples[k // stride], state, rate, drive[2 * k], joints)
-            if not _flying(state):
-                _pack(y, state, drive[2 * k], joints)
-                return k
-        end = _moved(state, h / 6.0, rate)
-        for stage in range(3):
-            part = h if stage == 2 else 0.5 * h
-            row = 2 * k + 2 if stage == 2 else 2 * k + 1
-            rate = rates_of_change(
-                _moved(state, part, rate), drive[row], joints, outside[k], free, g, body, wings, blades, polynomials
-            )
-            end = _moved(end, h / 6.0 if stage == 2 else h / 3.0, rate)
+        at, end = state, state
+        for stage in range(4):  # one copy of the dynamics: straight-line code must fit the first cache
+            row = 2 * k + (stage + 1) // 2
+            rate = rates_of_change(at, drive, row, joints, outside, k, free, g, body, wings, blades, polynomials)
+            if stage == 0 and k % stride == 0:
+                _store(samples[k // stride], state, rate, drive, row, joints)
+                if not _flying(state):
+                    _pack(y, state, drive, row, joints)
+                    return k
+            at = _moved(state, h if stage == 2 else 0.5 * h, rate)
+            end = _moved(end, h / 3.0 if 0 < stage < 3 else h / 6.0, rate)
         q = end[1]
         shrink = 1.0 / np.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
         q = (shrink * q[0], shrink * q[1], shrink * q[2], shrink * q[3])
         state = (end[0], q, end[2], end[3], end[4], end[5], end[6], end[7])
-    _pack(y, state, drive[2 * steps], joints)
+    _pack(y, state, drive, 2 * steps, joints)
     return steps if _flying(state) else steps - 1
 
 
 @numba.njit(**COMPILED)
 def sample_now(y, drive, outside, joints, free, gravity, body, wings, blades, polynomials, sample):
-    """Store a state with its accelerations."""
+    """Store a state with its accelerations, at the end of what `drive` and `outside` cover."""
     state = _unpacked(y)
-    rate = rates_of_change(state, drive, joints, outside, free, three(gravity, 0), body, wings, blades, polynomials)
-    _store(sample, state, rate, drive, joints)
+    row, k = drive.shape[0] - 1, outside.shape[0] - 1
+    g = three(gravity, 0)
+    rate = rates_of_change(state, drive, row, joints, outside, k, free, g, body, wings, blades, polynomials)
+    _store(sample, state, rate, drive, row, joints)

@@ -11,30 +11,42 @@ about the hinge. The air that it carries along adds A = sum of m22 g g^T, g = (1
 from __future__ import annotations
 
 import numba
-import numpy as np
 
 from flycontrol.flight.kernels.air import blade_loads
-from flycontrol.flight.kernels.vectors import COMPILED, add, combined, cross, dot, minus
+from flycontrol.flight.kernels.sine import sine_cosine
+from flycontrol.flight.kernels.vectors import INLINED, add, combined, cross, dot, minus
 
 #: Constants of one wing: mass [kg], centre of mass along span and chord [m], inertia about the hinge [kg m^2], added
-#: mass of normal motion [kg], [kg m], [kg m^2], dissipation [N m s], [N m s^2], centre of pressure (see `blade_loads`).
-CONSTANTS = 17
+#: mass of normal motion [kg], [kg m], [kg m^2], dissipation [N m s], [N m s^2], centre of pressure and three
+#: moments of circulation (see `blade_loads`).
+CONSTANTS = 20
 (
     MASS, CENTRE_S, CENTRE_C, I_SS, I_CC, I_NN, I_SC,
     A_NN, A_NS, A_NC, A_SS, A_SC, A_CC,
-    VISCOUS, VISCOUS_SQUARE, AHEAD, QUARTER,
-) = range(CONSTANTS)  # fmt: skip
+    VISCOUS, VISCOUS_SQUARE, AHEAD, QUARTER, CIRCULATION,
+) = range(CONSTANTS - 2)  # fmt: skip
 
 
-@numba.njit(**COMPILED)
+@numba.njit(**INLINED)
+def wing_constants(wings, side):
+    """Constants of one wing in registers: a view of an array would cost a count of its references."""
+    return (
+        wings[side, 0], wings[side, 1], wings[side, 2], wings[side, 3], wings[side, 4], wings[side, 5],
+        wings[side, 6], wings[side, 7], wings[side, 8], wings[side, 9], wings[side, 10], wings[side, 11],
+        wings[side, 12], wings[side, 13], wings[side, 14], wings[side, 15], wings[side, 16], wings[side, 17],
+        wings[side, 18], wings[side, 19],
+    )  # fmt: skip
+
+
+@numba.njit(**INLINED)
 def wing_frame(stroke, deviation, pitch):
     """Axes span, chord, normal in S, and the rates' axes in the wing's frame: w = J (phi', theta', eta').
 
     Columns of J: phi (sin theta, sin eta cos theta, cos eta cos theta), theta (0, -cos eta, sin eta), eta (1, 0, 0).
     """
-    sin_phi, cos_phi = np.sin(stroke), np.cos(stroke)
-    sin_theta, cos_theta = np.sin(deviation), np.cos(deviation)
-    sin_eta, cos_eta = np.sin(pitch), np.cos(pitch)
+    sin_phi, cos_phi = sine_cosine(stroke)
+    sin_theta, cos_theta = sine_cosine(deviation)
+    sin_eta, cos_eta = sine_cosine(pitch)
     up_x, up_y, up_z = -sin_phi * sin_theta, -cos_phi * sin_theta, -cos_theta
     span = (sin_phi * cos_theta, cos_phi * cos_theta, -sin_theta)
     chord = (cos_eta * cos_phi + sin_eta * up_x, -cos_eta * sin_phi + sin_eta * up_y, sin_eta * up_z)
@@ -44,19 +56,19 @@ def wing_frame(stroke, deviation, pitch):
     return (span, chord, normal), by_stroke, by_deviation
 
 
-@numba.njit(**COMPILED)
+@numba.njit(**INLINED)
 def in_wing(frame, a):
     """Components along span, chord, normal."""
     return (dot(frame[0], a), dot(frame[1], a), dot(frame[2], a))
 
 
-@numba.njit(**COMPILED)
+@numba.njit(**INLINED)
 def out_of_wing(frame, a):
     """Components in S."""
     return combined(a, frame[0], frame[1], frame[2])
 
 
-@numba.njit(**COMPILED)
+@numba.njit(**INLINED)
 def relative_rate(by_stroke, by_deviation, rates):
     """J q', in the wing's frame."""
     return (
@@ -66,7 +78,7 @@ def relative_rate(by_stroke, by_deviation, rates):
     )
 
 
-@numba.njit(**COMPILED)
+@numba.njit(**INLINED)
 def joint_bias(by_stroke, by_deviation, rates):
     """J' q', components' rates of change in the wing's frame."""
     phi, theta, eta = rates
@@ -81,7 +93,7 @@ def joint_bias(by_stroke, by_deviation, rates):
     )
 
 
-@numba.njit(**COMPILED)
+@numba.njit(**INLINED)
 def carried_air(constants, u_n, w):
     """Impulse P_n and angular impulses L_s, L_c of the air that moves with the wing."""
     s, c = w[0], w[1]
@@ -92,13 +104,13 @@ def carried_air(constants, u_n, w):
     )
 
 
-@numba.njit(**COMPILED)
+@numba.njit(**INLINED)
 def dissipation(constants, spin):
     """-(mu_1 f + mu_2 |w_s|) w_s pi rho / 16 integral of c^4 dr."""
     return -(constants[VISCOUS] + constants[VISCOUS_SQUARE] * abs(spin)) * spin
 
 
-@numba.njit(**COMPILED)
+@numba.njit(**INLINED)
 def rigid(constants, a, dw, w):
     """f and n of the wing's own mass: hinge acceleration less gravity a, angular acceleration dw, rate w."""
     m, s, c = constants[MASS], constants[CENTRE_S], constants[CENTRE_C]
@@ -120,7 +132,7 @@ def rigid(constants, a, dw, w):
     return f, n
 
 
-@numba.njit(**COMPILED)
+@numba.njit(**INLINED)
 def added_mass(constants, u_n, w, du_n, dw):
     """Force and torque of the carried air on the wing; du_n is the rate of change of the component u_n.
 
@@ -131,8 +143,16 @@ def added_mass(constants, u_n, w, du_n, dw):
     return (0.0, w[0] * P, -dP), (-dL_s, -dL_c, -w[0] * L_c)
 
 
-@numba.njit(**COMPILED)
-def wing_bias(frame, by_stroke, by_deviation, rates, accelerations, body, constants, blades, polynomials):
+@numba.njit(**INLINED)
+def quasi_steady(u, w, constants, side, blades, polynomials):
+    """`blade_loads` of a wing whose hinge moves with u and which turns with w."""
+    centre = (constants[AHEAD], constants[QUARTER])
+    circulation = (constants[CIRCULATION], constants[CIRCULATION + 1], constants[CIRCULATION + 2])
+    return blade_loads((u[1], u[2]), (w[2], -w[1]), w[0], side, blades, polynomials, centre, circulation)
+
+
+@numba.njit(**INLINED)
+def wing_bias(frame, by_stroke, by_deviation, rates, accelerations, body, constants, side, blades, polynomials):
     """f and n at the hinge, in the wing's frame, when the body does not accelerate and q'' is `accelerations`.
 
     `body` holds v_h, w and the gravity g in S.
@@ -149,9 +169,7 @@ def wing_bias(frame, by_stroke, by_deviation, rates, accelerations, body, consta
     f, n = rigid(constants, minus(cross(o, u), in_wing(frame, gravity)), dw, w)
     moving = cross(u, relative)  # rate of change of the components of v_h in the turning wing
     F, N = added_mass(constants, u[2], w, moving[2], dw)
-    steady, rotating = blade_loads(
-        u[1], u[2], w[2], -w[1], w[0], blades, polynomials, (constants[AHEAD], constants[QUARTER])
-    )
+    steady, rotating = quasi_steady(u, w, constants, side, blades, polynomials)
     f = (f[0], f[1] - F[1] - steady[0] - rotating[0], f[2] - F[2] - steady[1] - rotating[1])
     n = (
         n[0] - N[0] - steady[2] - rotating[2] - dissipation(constants, w[0]),
