@@ -228,6 +228,14 @@ def draw_case(left: "Axes", right: "Axes", mine: list[Account], x: np.ndarray, l
     right.plot(x, [a.bias_of_least_squares for a in mine], "x", color=look["color"], markersize=4)
 
 
+# ## The answer
+#
+# The promise is kept. White noise: 95.0 to 95.5 % of the intervals hold the truth, whether damping is known or not.
+# Coloured noise: 94.9 to 96.0 %. No bias exceeds 0.02 standard errors, each known to 0.014; least squares alone puts kd
+# 0.26 standard errors too high when the noise is coloured and damping free, and 0.07 when it is white. In the former
+# case likelihoods are so bent that most intervals of kd and damping come from their profiles.
+
+
 def main(folder: Path = FOLDER, recordings: int = RECORDINGS, workers: int = 2) -> list[Account]:
     """Fit, count, draw and write."""
     found = accounts(recordings, workers, ROOT / ".cache" / "coverage")

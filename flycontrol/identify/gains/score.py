@@ -52,8 +52,12 @@ def score_tests(weighted: WeightedProblem, minimum: Minimum, uncertainty: LocalU
     C = np.where(np.isfinite(uncertainty.covariance), uncertainty.covariance, 0.0)
     freedom = max(problem.samples - len(problem.names), 1)
     for part, noises in zip(problem.parts, weighted.noise, strict=True):
-        for kind in _held(part):
-            score, variance, whole = _score(part, noises, minimum.x, C, NAMES.index(kind))
+        kinds = _held(part)
+        square = _products(part, noises, minimum.x, [NAMES.index(kind) for kind in kinds])
+        inner = C[np.ix_(part.places, part.places)]
+        for row, kind in enumerate(kinds, 1 + len(part.active)):
+            cross, whole, score = square[1 : 1 + len(part.active), row], float(square[row, row]), float(square[0, row])
+            variance = whole - float(cross @ inner @ cross)
             if variance <= _COLLINEAR * whole:
                 continue
             p = 1.0 - scipy.special.fdtr(1, freedom, score**2 / variance)
@@ -68,17 +72,16 @@ def _held(part: TrialPart) -> list[str]:
     return [kind for kind in kinds if kind != "onset_shift" or part.trial.perturbation is not None]
 
 
-def _score(
-    part: TrialPart, noises: Sequence[Noise], x: FloatArray, C: FloatArray, held: int
-) -> tuple[float, float, float]:
-    """s, its variance, and h^T V^-1 h."""
-    wider = replace(part, active=np.append(part.active, held), places=np.append(part.places, len(x)))
-    extended = np.append(x, part.resting[held])
-    square = np.zeros((2 + len(part.active),) * 2)
+def _products(part: TrialPart, noises: Sequence[Noise], x: FloatArray, held: Sequence[int]) -> FloatArray:
+    """Products of whitened residuals, J's columns and those of what is held, (1 + m + h, 1 + m + h)."""
+    extra = np.arange(len(held))
+    wider = replace(
+        part, active=np.append(part.active, held).astype(np.int64), places=np.append(part.places, len(x) + extra)
+    )
+    extended = np.append(x, part.resting[list(held)])
+    square = np.zeros((1 + len(wider.active),) * 2)
     for rows, channel, noise in zip(wider.predicted(extended), part.channels, noises, strict=True):
         rows[0] = channel.values - rows[0]
         W = whitened(rows, channel.firsts, noise)
         square += W @ W.T
-    cross = square[1:-1, -1]
-    explained = float(cross @ C[np.ix_(part.places, part.places)] @ cross)
-    return float(square[0, -1]), float(square[-1, -1]) - explained, float(square[-1, -1])
+    return square
