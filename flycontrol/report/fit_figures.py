@@ -137,8 +137,8 @@ def _cloud(study: FitStudy) -> PageFigure | None:
         else ""
     )
     caption = (
-        f"Shaded: gains that are stable at the fitted damping and delay. {cloud}Red: the region that holds both gains "
-        f"with a confidence of {level}, by the covariance. Damping and delay vary too; the boundary is drawn at "
+        f"Shaded: gains that are stable at the fitted damping and delay. {cloud}Ellipse: the region that holds both "
+        f"gains with a confidence of {level}, by the covariance. Damping and delay vary too; the boundary is drawn at "
         "their estimates."
     )
     figure = gain_cloud(plane, draws, _ellipse(study))
@@ -184,7 +184,7 @@ def _group(group: Group | None, study: FitStudy, name: str) -> PageFigure | None
     if count > MOST_FITS:
         shown = f"The first {MOST_FITS} of {count} {who}s by themselves, {level} intervals"
     caption = (
-        f"{shown}. Band: the pooled estimate. Red: the mean, with an interval that carries the spread between them."
+        f"{shown}. Band: the pooled estimate. Diamond: the mean, with an interval that carries the spread between them."
     )
     figure = fits_compared(group.fits, pooled, group.effects, study.result.level)
     return _page_figure(name, figure, f"Every {who} by itself", caption)

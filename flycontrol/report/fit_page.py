@@ -21,7 +21,7 @@ from flycontrol.report.fit_figures import fit_figures
 from flycontrol.report.fit_result import FitProvenance, estimates_csv, fit_result_json
 from flycontrol.report.fit_words import KINDS, digits_for, estimate_rows, paper_table
 from flycontrol.report.nominal import dampings, pulse_task, yaw_loop
-from flycontrol.report.numbers import fixed
+from flycontrol.report.numbers import fixed, sentence
 from flycontrol.report.page import page as stability_page
 from flycontrol.report.page import template_environment, the_css
 from flycontrol.report.provenance import Provenance
@@ -93,6 +93,8 @@ def fit_page(study: FitStudy, origin: FitProvenance, *, with_stability: bool) ->
         rows=estimate_rows(study.result),
         own_rows=estimate_rows(study.result, of_the_loop=False),
         level=f"{100 * study.result.level:g}",
+        consequences=fit_tables.consequence_rows(study),
+        trade_offs=[sentence(each.sentence) for each in study.trade_offs[:4]],
         controllers=fit_tables.controller_rows(study),
         predictions=fit_tables.prediction_rows(study),
         effects=[] if study.flies is None else fit_tables.effect_rows(study.flies),

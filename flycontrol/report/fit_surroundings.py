@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from flycontrol.identify.gains.bootstrap import Bootstrap
+from flycontrol.identify.gains.consequences import Consequences
 from flycontrol.identify.gains.profile import Profile
 from flycontrol.identify.gains.recovery_band import RecoveryAgainstStrength
 from flycontrol.identify.gains.selection import ControllerComparison
@@ -24,10 +25,12 @@ def surroundings(study: FitStudy) -> dict[str, Any]:
         "controllers": None if study.comparison is None else _controllers(study.comparison),
         "flies": None if study.flies is None else _group(study.flies),
         "recordings_alone": None if study.single is None else _group(study.single),
+        "trade_offs": [each.sentence for each in study.trade_offs],
         "predictions": [
             {"trial": p.trial, "error_deg": p.error / deg, "noise_deg": p.noise / deg, "in_noise": p.in_noise}
             for p in study.predictions
         ],
+        "consequences": None if study.consequences is None else _consequences(study.consequences, study.result.level),
         "recovery": None if study.recovery is None else _recovery(study.recovery),
     }
 
@@ -81,6 +84,23 @@ def _group(group: Group) -> dict[str, Any]:
         "effects": [
             {key: value for key, value in asdict(e).items() if key not in ("unit", "count")} for e in group.effects
         ],
+    }
+
+
+def _consequences(found: Consequences, level: float) -> dict[str, Any]:
+    sizes = {
+        "gain_margin": ("gain_margin", 1.0),
+        "phase_margin": ("phase_margin_deg", deg),
+        "delay_margin": ("delay_margin_ms", ms),
+        "modulus_margin": ("modulus_margin", 1.0),
+        "recovery_time": ("recovery_time_ms", ms),
+        "abscissa": ("rightmost_real_per_s", 1.0),
+    }
+    intervals = {name: [end / size for end in found.interval(key, level)] for key, (name, size) in sizes.items()}
+    return {
+        "draws": len(found.loops),
+        "unstable_share": found.unstable,
+        **{name: {"low": low, "high": high} for name, (low, high) in intervals.items()},
     }
 
 

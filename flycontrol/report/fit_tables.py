@@ -8,7 +8,7 @@ from flycontrol.identify.gains.random_effects import RandomEffects
 from flycontrol.identify.gains.study import FitStudy, Group
 from flycontrol.report.fit_words import KINDS, digits_for
 from flycontrol.report.numbers import fixed, significant
-from flycontrol.units import deg
+from flycontrol.units import deg, ms
 
 _MOST = 24  #: recordings in a table
 _POOR = 2.0  #: noises by which a prediction misses that is marked
@@ -40,6 +40,32 @@ def controller_rows(study: FitStudy) -> list[Row]:
         )
         for row in found.rows
     ]  # fmt: skip
+
+
+def consequence_rows(study: FitStudy) -> list[Row]:
+    """Margins, recovery and decay of the fitted loop, with intervals over the loops that the data allow as well."""
+    found, at = study.consequences, study.stability
+    if found is None or at is None or at.margins is None:
+        return []
+    task, level = at.task, study.result.level
+    quantities: list[tuple[str, str, float | None, float, str]] = [
+        ("gain margin", "gain_margin", at.margins.gain_margin, 1.0, "1"),
+        ("phase margin", "phase_margin", at.margins.phase_margin, deg, "deg"),
+        ("delay margin", "delay_margin", at.margins.delay_margin, ms, "ms"),
+        ("modulus margin, min |1 + L|", "modulus_margin", at.margins.modulus_margin, 1.0, "1"),
+        (
+            f"recovery to ±{fixed(task.tolerance / deg, 0)}° from a {fixed(task.peak / deg, 0)}° pulse",
+            "recovery_time", at.recovery_time, ms, "ms",
+        ),
+        ("real part of the rightmost pole", "abscissa", float(at.poles[0].real), 1.0, "1/s"),
+    ]  # fmt: skip
+    rows: list[Row] = []
+    for words, name, value, size, unit in quantities:
+        low, high = (end / size for end in found.interval(name, level))
+        digits = digits_for(abs(high - low) / 4, low)
+        shown = fixed(None if value is None else value / size, digits)
+        rows.append(Row(head=words, cells=(shown, f"{fixed(low, digits)} to {fixed(high, digits)}", unit)))
+    return rows
 
 
 def effect_rows(group: Group) -> list[Row]:

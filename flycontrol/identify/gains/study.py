@@ -12,6 +12,8 @@ import numpy as np
 from flycontrol.errors import FlycontrolError
 from flycontrol.identify.gains.alone import LoneFit, fits_alone
 from flycontrol.identify.gains.bootstrap import Bootstrap, Resampling, bootstrap
+from flycontrol.identify.gains.consequences import Consequences, consequences
+from flycontrol.identify.gains.design import TradeOff, trade_offs
 from flycontrol.identify.gains.fit import fit_gains
 from flycontrol.identify.gains.homogeneity import Homogeneity, homogeneity
 from flycontrol.identify.gains.least_squares import Loss, Minimum, WeightedProblem
@@ -29,7 +31,13 @@ from flycontrol.identify.gains.uncertainty import LocalUncertainty
 from flycontrol.jobs.packed import Result
 from flycontrol.jobs.work import Work
 from flycontrol.model.gain_plane import GainPlane, gain_plane
+from flycontrol.model.gains import PulseTask
+from flycontrol.model.stability import StabilityResult, assess
 from flycontrol.model.trial import Trial
+from flycontrol.units import deg, ms
+
+_NOMINAL = PulseTask(duration=4.5 * ms, peak=20 * deg, tolerance=2 * deg)
+_DRAWS = 400  #: loops from the estimates' distribution
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -55,7 +63,10 @@ class FitStudy:
     comparison: ControllerComparison | None
     bootstrap: Bootstrap | None  #: None where none was asked for
     recovery: RecoveryAgainstStrength | None  #: measured beside predicted
+    stability: StabilityResult | None  #: of the fitted loop; None where flies differ or an integral acts
+    consequences: Consequences | None  #: of the intervals for margins, poles and recovery
     plane: GainPlane | None  #: all gains at the fitted damping and delay
+    trade_offs: tuple[TradeOff, ...]  #: strongest first
     seed: int
     absent: Mapping[str, str] = field(default_factory=dict[str, str])  #: sentences by part
 
@@ -70,6 +81,7 @@ class FitOptions:
     seed: int = 0
     bootstrap: int = 0  #: fits to data drawn anew
     resampling: Resampling = "parametric"
+    task: PulseTask = _NOMINAL  #: that recovery is measured by
     compare: bool = True  #: P, PD, PI and PID
 
 
@@ -123,7 +135,10 @@ class _Study:
             comparison=self._comparison(result),
             bootstrap=self._bootstrap(result),
             recovery=self._recovery(result),
+            stability=self._stability(result),
+            consequences=self._consequences(result),
             plane=self._plane(result),
+            trade_offs=trade_offs(result) if result.converged else (),
             seed=options.seed,
             absent=self.absent,
         )
@@ -195,6 +210,27 @@ class _Study:
         except FlycontrolError as error:
             self.absent["recovery"] = str(error)
             return None
+
+    def _stability(self, result: FitResult) -> StabilityResult | None:
+        if not self._has_one_loop(result):
+            return None
+        try:
+            return assess(result.loop(), self.options.task)
+        except FlycontrolError as error:
+            self.absent["stability"] = str(error)
+            return None
+
+    def _consequences(self, result: FitResult) -> Consequences | None:
+        if not self._has_one_loop(result):
+            return None
+        try:
+            return consequences(result, self.options.task, _DRAWS, seed=self.options.seed)
+        except FlycontrolError as error:
+            self.absent["consequences"] = str(error)
+            return None
+
+    def _has_one_loop(self, result: FitResult) -> bool:
+        return self.pooled and result.converged and result.controller in ("P", "PD")
 
     def _plane(self, result: FitResult) -> GainPlane | None:
         if not (self.pooled and result.controller in ("P", "PD") and np.isfinite(result.value("kp"))):

@@ -11,7 +11,7 @@ from flycontrol.model.gain_plane import GainPlane
 from flycontrol.report.style import EXACT, FORBIDDEN, INK, MARK, in_house_style, new_figure
 
 FloatArray = NDArray[np.float64]
-_STABLE = "#dcebf5"
+_STABLE = "#c5dcec"
 
 
 @in_house_style()

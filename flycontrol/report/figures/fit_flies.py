@@ -23,7 +23,7 @@ MOST = 40  #: fits drawn
 def fits_compared(
     fits: Sequence[LoneFit], pooled: Mapping[str, Estimate], effects: Sequence[RandomEffects], level: float
 ) -> Figure:
-    """One panel an unknown, one row a fit: dots with intervals; band the pooled interval, red the mean of flies."""
+    """One panel an unknown, one row a fit: dots with intervals; band the pooled interval, diamond the mean of all."""
     shown = [fit for fit in fits if fit.usable][:MOST]
     kinds = shown[0].kinds
     figure = new_figure(1.0 + 0.16 * max(len(shown), 5))
