@@ -43,7 +43,7 @@ class LoneFit:
     free: int  #: unknowns that the data determine, its own ones included
     minimum: Mapping[str, float]  #: all its unknowns at the minimum, not corrected: "kp", "impulse[trial 3]"
     noise: tuple[tuple[Noise, ...], ...]  #: by recording, by channel
-    usable: bool  #: converged, all shared unknowns determined
+    usable: bool  #: converged, a perturbation and a response found, all shared unknowns determined
     status: str  #: the fit's sentence
 
     def estimate(self, kind: str) -> float:
@@ -137,16 +137,15 @@ def _packed(found: FitResult) -> dict[str, Any]:
             [{"deviation": n.deviation, "pacf": n.pacf, "uncertainty": n.uncertainty} for n in channels]
             for channels in found.noise
         ],
-        "converged": bool(found.converged),
+        "usable": bool(found.converged and all(np.isfinite(found.estimates[i].standard_error) for i in shared)),
         "status": found.status,
     }
 
 
 def _unpacked(name: str, group: Sequence[Trial], packed: Mapping[str, Any]) -> LoneFit:
-    determined = bool(np.all(np.isfinite(np.diag(packed["covariance"]))))
     return LoneFit(
         name=name, trials=tuple(trial.name for trial in group), kinds=tuple(packed["kinds"]), values=packed["values"],
         covariance=packed["covariance"], freedom=packed["freedom"], cost=packed["cost"], free=packed["free"],
         minimum=packed["minimum"], noise=tuple(tuple(Noise(**n) for n in channels) for channels in packed["noise"]),
-        usable=packed["converged"] and determined, status=packed["status"],
+        usable=packed["usable"], status=packed["status"],
     )  # fmt: skip

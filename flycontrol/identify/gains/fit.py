@@ -8,7 +8,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -27,10 +27,11 @@ from flycontrol.identify.gains.least_squares import (
 from flycontrol.identify.gains.model import GainModel, gain_model
 from flycontrol.identify.gains.noise import Noise, estimate, order_by_bic, white
 from flycontrol.identify.gains.problem import Channel, fit_problem
+from flycontrol.identify.gains.profile import Profile
 from flycontrol.identify.gains.result import FitResult
 from flycontrol.identify.gains.starts import starting_points
 from flycontrol.identify.gains.status import nothing_there, status
-from flycontrol.identify.gains.uncertainty import local_uncertainty
+from flycontrol.identify.gains.uncertainty import LocalUncertainty, local_uncertainty
 from flycontrol.model.trial import Trial
 
 FloatArray = NDArray[np.float64]
@@ -73,11 +74,7 @@ def fit_gains(
         For an unknown kind of noise or loss, or a level outside of (0, 1).
     """
     _refuse(noise, loss, level)
-    problem = fit_problem(trials, gain_model() if model is None else model)
-    guessed = [[white(_roughness(channel), 1.0) for channel in part.channels] for part in problem.parts]
-    weighted = WeightedProblem(problem, guessed, loss)
-    minimum = minimise(weighted, start) if start is not None else _best_minimum(weighted)
-    weighted, minimum = _with_noise(weighted, minimum, noise)
+    weighted, minimum = _searched(trials, model, noise, loss, start)
     uncertainty = local_uncertainty(weighted, minimum)
     nothing = nothing_there(weighted, minimum, uncertainty)
     bent = {} if nothing else doubtful_profiles(weighted, minimum, uncertainty, level)
@@ -86,11 +83,46 @@ def fit_gains(
         weighted, minimum = _with_noise(weighted, minimise(weighted, lower), noise)
         uncertainty = local_uncertainty(weighted, minimum)
         bent = doubtful_profiles(weighted, minimum, uncertainty, level)
+    return _result(weighted, minimum, uncertainty, bent, level)
+
+
+def fit_without_profiles(
+    trials: Sequence[Trial],
+    model: GainModel | None = None,
+    *,
+    noise: str | int = "auto",
+    loss: Loss = "linear",
+    start: FloatArray | None = None,
+) -> FitResult:
+    """The same search, 95 % intervals by the covariance alone: for many fits whose minimum is what counts.
+
+    Parameters and exceptions as of `fit_gains`.
+    """
+    _refuse(noise, loss, 0.95)
+    weighted, minimum = _searched(trials, model, noise, loss, start)
+    return _result(weighted, minimum, local_uncertainty(weighted, minimum), {}, 0.95)
+
+
+def _searched(
+    trials: Sequence[Trial], model: GainModel | None, noise: str | int, loss: Loss, start: FloatArray | None
+) -> tuple[WeightedProblem, Minimum]:
+    problem = fit_problem(trials, gain_model() if model is None else model)
+    guessed = [[white(_roughness(channel), 1.0) for channel in part.channels] for part in problem.parts]
+    weighted = WeightedProblem(problem, guessed, loss)
+    minimum = minimise(weighted, start) if start is not None else _best_minimum(weighted)
+    return _with_noise(weighted, minimum, noise)
+
+
+def _result(
+    weighted: WeightedProblem, minimum: Minimum, uncertainty: LocalUncertainty, bent: Mapping[str, Profile],
+    level: float,
+) -> FitResult:  # fmt: skip
+    nothing = nothing_there(weighted, minimum, uncertainty)
     found = estimates(weighted, minimum, uncertainty, level, bent)
     found = without_meaning(found, nothing) if nothing else found
     return FitResult(
-        problem=problem, weighted=weighted, minimum=minimum, uncertainty=uncertainty, estimates=found, level=level,
-        converged=minimum.converged, status=status(weighted, minimum, uncertainty, found, nothing),
+        problem=weighted.problem, weighted=weighted, minimum=minimum, uncertainty=uncertainty, estimates=found,
+        level=level, converged=minimum.converged, status=status(weighted, minimum, uncertainty, found, nothing),
     )  # fmt: skip
 
 

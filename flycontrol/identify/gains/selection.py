@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from flycontrol.errors import InvalidParameterError
 from flycontrol.identify.gains.blocks import Held, blocks_left_out
-from flycontrol.identify.gains.fit import fit_gains
+from flycontrol.identify.gains.fit import fit_without_profiles
 from flycontrol.identify.gains.labour import HERE, Labour
 from flycontrol.identify.gains.left_out import leave_one_out
 from flycontrol.identify.gains.model import GAINS, Controller, GainModel, gain_model
@@ -123,11 +123,11 @@ def compare_controllers(
     _refuse(controllers)
     base = gain_model() if model is None else model
     models = [base.with_controller(controller) for controller in controllers]
-    general = fit_gains(trials, models[-1], noise=noise)
+    general = fit_without_profiles(trials, models[-1], noise=noise)
     order = max(n.order for channels in general.noise for n in channels)
     if noise == "auto":
-        general = fit_gains(trials, models[-1], noise=order, start=general.minimum.x)
-    found = [*(fit_gains(trials, each, noise=order) for each in models[:-1]), general]
+        general = fit_without_profiles(trials, models[-1], noise=order, start=general.minimum.x)
+    found = [*(fit_without_profiles(trials, each, noise=order) for each in models[:-1]), general]
     held = _held(found, general.noise, validation, labour)
     return _comparison(found, held, order, _how(trials, validation))
 

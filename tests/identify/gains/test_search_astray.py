@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from flycontrol.identify.gains.least_squares import WeightedProblem, minimise
-from flycontrol.identify.gains.model import gain_model
+from flycontrol.identify.gains.model import Unknown, gain_model
 from flycontrol.identify.gains.noise import white
 from flycontrol.identify.gains.problem import fit_problem
 from flycontrol.identify.gains.response import yaw_response
@@ -20,7 +20,8 @@ TRUTH = {"kp": 3050.0, "kd": 45.0, "delay": 0.0136, "damping": 69.0, "impulse": 
 def test_a_start_from_which_responses_overflow_is_not_called_converged(kd):
     yaw = yaw_response(TRUTH, TIMES, PULSE).yaw
     trial = Trial(name="fly", time=TIMES, yaw=yaw, rate=2000.0, perturbation=PULSE)
-    model = gain_model(fixed={"initial_yaw": 0.0, "initial_rate": 0.0, "damping": 69.0})
+    boundless = {"kp": Unknown(), "kd": Unknown()}
+    model = gain_model(fixed={"initial_yaw": 0.0, "initial_rate": 0.0, "damping": 69.0}, settings=boundless)
     problem = fit_problem([trial], model)
     start = np.array(
         [{"kp": 3000.0, "kd": kd, "delay": 0.002, "impulse": 35.0}.get(kind, 0.0) for kind in problem.kinds]
