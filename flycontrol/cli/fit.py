@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from flycontrol.identify.gains.study import FitOptions
     from flycontrol.model.trial import Trial
 
+_COMPARED = 8  #: recordings, of which four controllers are fitted within a minute
 _FEW = 4  #: recordings that are done before other processes have started
 _OUT = Path("reports/fit")
 
@@ -61,7 +62,13 @@ def fit(
     bootstrap: Annotated[
         int, typer.Option(min=0, metavar="NUMBER", help="Fits to data drawn anew, for the fly's cloud; 0: none.")
     ] = 200,
-    compare: Annotated[bool, typer.Option(help="Fit P, PD, PI and PID and compare.")] = True,
+    compare: Annotated[
+        bool | None,
+        typer.Option(
+            "--compare/--no-compare",
+            help=f"Fit P, PD, PI and PID and compare; left out: for up to {_COMPARED} recordings.",
+        ),
+    ] = None,
     spontaneous: Annotated[
         bool, typer.Option("--spontaneous", help="Nothing perturbed the fly; otherwise an unknown pulse is sought.")
     ] = False,
@@ -95,7 +102,7 @@ def fit(
         require_writable_folder(folder)
     if mapping is None:
         raise refusal_with_a_mapping_to_edit(Path(files[0]))
-    options = replace(_options(noise, loss, level, seed), bootstrap=bootstrap, compare=compare)
+    options = replace(_options(noise, loss, level, seed), bootstrap=bootstrap)
     request = FitRequest(
         controller=controller, fix=fix or (), estimate=estimate or (), prior=prior or (), bound=bound or (),
         shared=shared,
@@ -111,6 +118,7 @@ def fit(
         trials = read_trials(files, mapping, progress=progress)
         trials, request = _with_pulses(trials, request, spontaneous=spontaneous)
         model = requested_model(request, paddling=any(trial.paddling is not None for trial in trials))
+        options = replace(options, compare=len(trials) <= _COMPARED if compare is None else compare)
         pool = ProcessPool(workers)
         crew = 1 if pool.count == 1 or len(trials) < _FEW else stack.enter_context(pool)
         kept = None if folder is None else folder / "unfinished"
@@ -182,5 +190,5 @@ def _command(count: int, mapping: str, request: FitRequest, options: FitOptions)
         f"--level {options.level:g}",
         f"--seed {options.seed}",
     ]
-    given += [f"--bootstrap {options.bootstrap}", *([] if options.compare else ["--no-compare"])]
+    given += [f"--bootstrap {options.bootstrap}", "--compare" if options.compare else "--no-compare"]
     return " ".join(["flycontrol fit", f"({count} files or patterns)", *given])

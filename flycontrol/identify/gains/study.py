@@ -181,6 +181,8 @@ class _Study:
         return leave_one_out(result, labour=self.stages.labour("left-out", self.identity))
 
     def _comparison(self, result: FitResult) -> ControllerComparison | None:
+        if not self.options.compare:
+            self.absent["comparison"] = "P, PD, PI and PID were not compared; --compare does it, in minutes for many."
         if not (self.options.compare and result.converged and self.pooled):
             return None
         validation = Validation() if len(self.trials) == 1 else None  # several: recordings left out say it already
