@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from flycontrol.errors import InvalidParameterError
 from flycontrol.flight.drive import drive_table, repeats
 from flycontrol.flight.flapping_fly import FlappingFly
-from flycontrol.flight.kernels.march import LEFT, SAMPLE, SPIN, VELOCITY, march, sample_now
+from flycontrol.flight.kernels.march import FASTEST, FASTEST_SPIN, LEFT, SAMPLE, SPIN, VELOCITY, march, sample_now
 from flycontrol.flight.multibody.constants import constants_of
 from flycontrol.flight.pulses import BodyPulse, outside_loads
 from flycontrol.flight.settings import MarchSettings
@@ -58,7 +58,7 @@ class March:
             done = march(self.y, drive, self.step, outside, steps // per_beat, *self.constants.arguments, room)
             stored += per_beat * done // steps
             if done < steps:
-                status = _diverged(beat, self.y)
+                status = diverged(beat, self.y) or f"stopped in wingbeat {beat}: a free wing joint runs away."
                 break
             sample_now(self.y, drive, outside, *self.constants.arguments, samples[stored])
         phase = first + np.arange(stored + (status == "complete")) / per_beat
@@ -83,8 +83,11 @@ class March:
         return stroke
 
 
-def _diverged(beat: int, y: FloatArray) -> str:
-    speed, spin = np.linalg.norm(y[VELOCITY:SPIN]), np.linalg.norm(y[SPIN:LEFT])
+def diverged(beat: int, y: FloatArray) -> str:
+    """A sentence when a state (its first 13 entries are the body's) is none of a fly, else nothing."""
+    speed, spin = float(np.linalg.norm(y[VELOCITY:SPIN])), float(np.linalg.norm(y[SPIN:LEFT]))
+    if speed < FASTEST and spin < FASTEST_SPIN:
+        return ""
     return (
         f"stopped in wingbeat {beat}: the body moves at {speed:.3g} m/s and turns at {spin:.3g} rad/s, which no fly "
         "does; what was flown until then is kept. Look at the forces before it, or take smaller steps."

@@ -23,6 +23,44 @@ _STILL = 1e-40  # [m^2/s^2]: keeps a blade at rest from dividing by zero
 
 
 @numba.njit(**INLINED)
+def blade(c, n, polynomials, centre):
+    """Pressures along chord and normal over 1/2 rho c dr [m^2/s^2], and their arm ahead of the pitch axis [chords].
+
+    The blade moves with c along its chord and n along its normal.
+    """
+    ahead, quarter = centre
+    speed = np.sqrt(c * c + n * n + _STILL)
+    z = _ROOT_HALF * (abs(n) - abs(c)) / speed
+    z2 = z * z
+    lift_even, lift_odd = polynomials[LIFT_EVEN, TERMS - 1], polynomials[LIFT_ODD, TERMS - 1]
+    drag_even, drag_odd = polynomials[DRAG_EVEN, TERMS - 1], polynomials[DRAG_ODD, TERMS - 1]
+    travel = polynomials[CENTRE_ODD, TERMS - 1]
+    for k in range(TERMS - 2, -1, -1):
+        lift_even = lift_even * z2 + polynomials[LIFT_EVEN, k]
+        lift_odd = lift_odd * z2 + polynomials[LIFT_ODD, k]
+        drag_even = drag_even * z2 + polynomials[DRAG_EVEN, k]
+        drag_odd = drag_odd * z2 + polynomials[DRAG_ODD, k]
+        travel = travel * z2 + polynomials[CENTRE_ODD, k]
+    lift = np.copysign(lift_even + z * lift_odd, c * n)
+    drag = drag_even + z * drag_odd
+    arm = ahead + np.copysign(quarter - z * travel, c)  # a wing moving backwards: a = 180 deg - a
+    return speed * (lift * n - drag * c), -speed * (drag * n + lift * c), arm
+
+
+@numba.njit(**INLINED)
+def rotational_load(u, by_radius, spin, circulation, arms):
+    """(F_c, F_n, N_s, N_c, N_n) of C_R rho c^2 w_s (-u_n, u_c); `arms` = sum of C_R rho c^3 dr arm u_c."""
+    g_0, g_1, g_2 = circulation[0] * spin, circulation[1] * spin, circulation[2] * spin
+    return (
+        -(g_0 * u[1] + g_1 * by_radius[1]),
+        g_0 * u[0] + g_1 * by_radius[0],
+        spin * arms,
+        -(g_1 * u[0] + g_2 * by_radius[0]),
+        -(g_1 * u[1] + g_2 * by_radius[1]),
+    )
+
+
+@numba.njit(**INLINED)
 def blade_loads(u, by_radius, spin, side, blades, polynomials, centre, circulation):
     """Sum translational and rotational forces over the blades.
 
@@ -31,45 +69,17 @@ def blade_loads(u, by_radius, spin, side, blades, polynomials, centre, circulati
     its travel) in chords, `circulation` = integrals of C_R rho c^2 r^k dr. Returns two tuples (F_c, F_n, N_s, N_c,
     N_n), forces [N] and torques about the hinge [N m]. The rotational force is linear in u: only its arm needs blades.
     """
-    t_c, t_n, t_span, t_cr, t_nr, r_span = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    ahead, quarter = centre
-    u_c, u_n = u
-    by_radius_c, by_radius_n = by_radius
+    t_c, t_n, t_span, t_cr, t_nr, arms = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for j in range(blades.shape[2]):
         r = blades[side, RADIUS, j]
-        c = u_c + r * by_radius_c
-        n = u_n + r * by_radius_n
-        speed = np.sqrt(c * c + n * n + _STILL)
-        z = _ROOT_HALF * (abs(n) - abs(c)) / speed
-        z2 = z * z
-        lift_even, lift_odd = polynomials[LIFT_EVEN, TERMS - 1], polynomials[LIFT_ODD, TERMS - 1]
-        drag_even, drag_odd = polynomials[DRAG_EVEN, TERMS - 1], polynomials[DRAG_ODD, TERMS - 1]
-        travel = polynomials[CENTRE_ODD, TERMS - 1]
-        for k in range(TERMS - 2, -1, -1):
-            lift_even = lift_even * z2 + polynomials[LIFT_EVEN, k]
-            lift_odd = lift_odd * z2 + polynomials[LIFT_ODD, k]
-            drag_even = drag_even * z2 + polynomials[DRAG_EVEN, k]
-            drag_odd = drag_odd * z2 + polynomials[DRAG_ODD, k]
-            travel = travel * z2 + polynomials[CENTRE_ODD, k]
-        lift = np.copysign(lift_even + z * lift_odd, c * n)
-        drag = drag_even + z * drag_odd
-        arm = ahead + np.copysign(quarter - z * travel, c)  # a wing moving backwards: a = 180 deg - a
-        p_c = speed * (lift * n - drag * c)
-        p_n = -speed * (drag * n + lift * c)
-        p_c *= blades[side, PRESSURE, j]
+        c = u[0] + r * by_radius[0]
+        p_c, p_n, arm = blade(c, u[1] + r * by_radius[1], polynomials, centre)
         t_span += blades[side, PRESSURE_ARM, j] * arm * p_n
+        p_c *= blades[side, PRESSURE, j]
         p_n *= blades[side, PRESSURE, j]
         t_c += p_c
         t_n += p_n
         t_cr += r * p_c
         t_nr += r * p_n
-        r_span += blades[side, CIRCULATION_ARM, j] * arm * c
-    g_0, g_1, g_2 = circulation[0] * spin, circulation[1] * spin, circulation[2] * spin
-    rotational = (
-        -(g_0 * u_n + g_1 * by_radius_n),
-        g_0 * u_c + g_1 * by_radius_c,
-        spin * r_span,
-        -(g_1 * u_c + g_2 * by_radius_c),
-        -(g_1 * u_n + g_2 * by_radius_n),
-    )
-    return (t_c, t_n, t_span, -t_nr, t_cr), rotational
+        arms += blades[side, CIRCULATION_ARM, j] * arm * c
+    return (t_c, t_n, t_span, -t_nr, t_cr), rotational_load(u, by_radius, spin, circulation, arms)

@@ -178,13 +178,13 @@ def wing_share(angles, rates, accelerations, torque, freed, body, h, side, wings
 
 
 @numba.njit(**INLINED)
-def _with_mirrored(A, B, side):
+def with_mirrored(A, B, side):
     """A + B seen in the mirror of `side`, both force to force or torque to torque."""
     return (A[0] + B[0], A[1] + side * B[1], A[2] + B[2], A[3] + B[3], A[4] + side * B[4], A[5] + B[5])
 
 
 @numba.njit(**INLINED)
-def _with_mirrored_mixed(A, B, side):
+def with_mirrored_mixed(A, B, side):
     """A + B seen in the mirror of `side`, from angular acceleration to force."""
     return (
         (A[0][0] + side * B[0][0], A[0][1] + B[0][1], A[0][2] + side * B[0][2]),
@@ -208,19 +208,18 @@ def _held(M, free, unit):
 
 
 @numba.njit(**INLINED)
-def _solved(M_aa, M_aw, M_ww, force, torque, free_v, free_w):
+def solved(M_aa, M_aw, M_ww, force, torque, free_v, free_w):
     """v' and w' of the body from its own equations, held freedoms kept."""
-    if free_v[0] + free_v[1] + free_v[2] + free_w[0] + free_w[1] + free_w[2] < 6.0:
-        M_aa, M_ww = _held(M_aa, free_v, M_aa[0]), _held(M_ww, free_w, M_ww[0])
-        a, b, c = free_v
-        x, y, z = free_w
-        M_aw = (
-            (a * x * M_aw[0][0], a * y * M_aw[0][1], a * z * M_aw[0][2]),
-            (b * x * M_aw[1][0], b * y * M_aw[1][1], b * z * M_aw[1][2]),
-            (c * x * M_aw[2][0], c * y * M_aw[2][1], c * z * M_aw[2][2]),
-        )
-        force = (a * force[0], b * force[1], c * force[2])
-        torque = (x * torque[0], y * torque[1], z * torque[2])
+    a, b, c = free_v
+    x, y, z = free_w
+    M_aa, M_ww = _held(M_aa, free_v, M_aa[0]), _held(M_ww, free_w, M_ww[0])
+    M_aw = (
+        (a * x * M_aw[0][0], a * y * M_aw[0][1], a * z * M_aw[0][2]),
+        (b * x * M_aw[1][0], b * y * M_aw[1][1], b * z * M_aw[1][2]),
+        (c * x * M_aw[2][0], c * y * M_aw[2][1], c * z * M_aw[2][2]),
+    )
+    force = (a * force[0], b * force[1], c * force[2])
+    torque = (x * torque[0], y * torque[1], z * torque[2])
     E = symmetric_inverse(M_aa)
     # columns of E M_aw, as rows
     c0 = symmetric_times(E, (M_aw[0][0], M_aw[1][0], M_aw[2][0]))
@@ -257,16 +256,16 @@ def accelerations(v, w, gravity, left, right, force, torque, free_v, free_w, bod
         share = wing_share(
             wing[0], wing[1], wing[2], wing[3], wing[4], moving, h, k, wings, blades, polynomials
         )  # fmt: skip
-        M_aa = _with_mirrored(M_aa, share[0], side)
-        M_aw = _with_mirrored_mixed(M_aw, share[1], side)
-        M_ww = _with_mirrored(M_ww, share[2], side)
+        M_aa = with_mirrored(M_aa, share[0], side)
+        M_aw = with_mirrored_mixed(M_aw, share[1], side)
+        M_ww = with_mirrored(M_ww, share[2], side)
         f = minus(f, polar_mirrored(share[3], side))
         n = minus(n, axial_mirrored(share[4], side))
         if k == 0:
             x_left, y_left, q_left = share[5], share[6], share[7]
         else:
             x_right, y_right, q_right = share[5], share[6], share[7]
-    dv, dw = _solved(M_aa, M_aw, M_ww, f, n, free_v, free_w)
+    dv, dw = solved(M_aa, M_aw, M_ww, f, n, free_v, free_w)
     q_right = minus(q_right, add(matrix_times(x_right, dv), matrix_times(y_right, dw)))
     dv_m, dw_m = polar_mirrored(dv, -1.0), axial_mirrored(dw, -1.0)
     q_left = minus(q_left, add(matrix_times(x_left, dv_m), matrix_times(y_left, dw_m)))

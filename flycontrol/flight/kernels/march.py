@@ -58,7 +58,7 @@ def _wing(angles, rates, drive, row, side, joints):
 
 
 @numba.njit(**INLINED)
-def _world(q, a):
+def world(q, a):
     """R(q) a = a + 2 q_0 (u x a) + 2 u x (u x a), u the vector part."""
     w, x, y, z = q
     tx, ty, tz = 2.0 * (y * a[2] - z * a[1]), 2.0 * (z * a[0] - x * a[2]), 2.0 * (x * a[1] - y * a[0])
@@ -72,11 +72,11 @@ def _world(q, a):
 @numba.njit(**INLINED)
 def in_body(q, a):
     """Components in S of a vector given in W."""
-    return _world((q[0], -q[1], -q[2], -q[3]), a)
+    return world((q[0], -q[1], -q[2], -q[3]), a)
 
 
 @numba.njit(**INLINED)
-def _turning(q, w):
+def turning(q, w):
     """q' = q (0, w) / 2."""
     return (
         0.5 * (-q[1] * w[0] - q[2] * w[1] - q[3] * w[2]),
@@ -101,7 +101,7 @@ def rates_of_change(state, drive, row, joints, outside, k, free, gravity, body, 
         (outside[k, 3], outside[k, 4], outside[k, 5]), three(free, 0), three(free, 3),
         body, wings, blades, polynomials,
     )  # fmt: skip
-    return (_world(q, v), _turning(q, w), dv, dw, left[1], right[1], left_q, right_q)
+    return (world(q, v), turning(q, w), dv, dw, left[1], right[1], left_q, right_q)
 
 
 @numba.njit(**INLINED)

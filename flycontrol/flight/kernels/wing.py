@@ -152,10 +152,10 @@ def quasi_steady(u, w, constants, side, blades, polynomials):
 
 
 @numba.njit(**INLINED)
-def wing_bias(frame, by_stroke, by_deviation, rates, accelerations, body, constants, side, blades, polynomials):
-    """f and n at the hinge, in the wing's frame, when the body does not accelerate and q'' is `accelerations`.
+def wing_motion(frame, by_stroke, by_deviation, rates, accelerations, body):
+    """u, w, and with a body that does not accelerate w', the rate of u_n, and the hinge's acceleration less gravity.
 
-    `body` holds v_h, w and the gravity g in S.
+    `body` holds v_h, w and the gravity g in S; the results are components along span, chord, normal.
     """
     velocity, rotation, gravity = body
     u = in_wing(frame, velocity)
@@ -166,14 +166,23 @@ def wing_bias(frame, by_stroke, by_deviation, rates, accelerations, body, consta
         add(joint_bias(by_stroke, by_deviation, rates), relative_rate(by_stroke, by_deviation, accelerations)),
         cross(relative, o),
     )
-    f, n = rigid(constants, minus(cross(o, u), in_wing(frame, gravity)), dw, w)
-    moving = cross(u, relative)  # rate of change of the components of v_h in the turning wing
-    F, N = added_mass(constants, u[2], w, moving[2], dw)
+    du_n = u[0] * relative[1] - u[1] * relative[0]  # of u x relative: the components turn with the wing
+    return u, w, dw, du_n, minus(cross(o, u), in_wing(frame, gravity))
+
+
+@numba.njit(**INLINED)
+def inertial_bias(constants, u, w, dw, du_n, a):
+    """f and n of the wing's mass, the air that it carries along and its dissipative torque."""
+    f, n = rigid(constants, a, dw, w)
+    F, N = added_mass(constants, u[2], w, du_n, dw)
+    return (f[0], f[1] - F[1], f[2] - F[2]), (n[0] - N[0] - dissipation(constants, w[0]), n[1] - N[1], n[2] - N[2])
+
+
+@numba.njit(**INLINED)
+def wing_bias(frame, by_stroke, by_deviation, rates, accelerations, body, constants, side, blades, polynomials):
+    """f and n at the hinge, in the wing's frame, when the body does not accelerate and q'' is `accelerations`."""
+    u, w, dw, du_n, a = wing_motion(frame, by_stroke, by_deviation, rates, accelerations, body)
+    f, n = inertial_bias(constants, u, w, dw, du_n, a)
     steady, rotating = quasi_steady(u, w, constants, side, blades, polynomials)
-    f = (f[0], f[1] - F[1] - steady[0] - rotating[0], f[2] - F[2] - steady[1] - rotating[1])
-    n = (
-        n[0] - N[0] - steady[2] - rotating[2] - dissipation(constants, w[0]),
-        n[1] - N[1] - steady[3] - rotating[3],
-        n[2] - N[2] - steady[4] - rotating[4],
-    )
-    return f, n
+    f = (f[0], f[1] - steady[0] - rotating[0], f[2] - steady[1] - rotating[1])
+    return f, minus(n, (steady[2] + rotating[2], steady[3] + rotating[3], steady[4] + rotating[4]))
