@@ -97,20 +97,25 @@ def pade(system: Operand, order: int, numdeg: int | None = None) -> DelayLTI:
         If the approximants' direct paths close an algebraic loop (possible only with nonzero D22).
     """
     exact = as_delay_lti(system)
-    if exact.n_delays == 0:
+    return first_delays_approximated(exact, exact.n_delays, order, numdeg)
+
+
+def first_delays_approximated(exact: DelayLTI, many: int, order: int, numdeg: int | None = None) -> DelayLTI:
+    """`pade` of the first so many delay channels only; the others stay exact."""
+    if many == 0:
         return exact
     unit = pade_matrices(order, numdeg)
-    channels = append(
-        *[delay_free(unit.A / tau, unit.B[:, None] / tau, unit.C[None, :], np.array([[unit.D]])) for tau in exact.tau]
-    )
-    opened = _open_delays(exact)
-    both = append(opened, channels)
-    m, p, q = exact.n_inputs, exact.n_outputs, exact.n_delays
+    channels = append(*[
+        delay_free(unit.A / tau, unit.B[:, None] / tau, unit.C[None, :], np.array([[unit.D]]))
+        for tau in exact.tau[:many]
+    ])  # fmt: skip
+    both = append(_opened(exact, many), channels)
+    m, p, q = exact.n_inputs, exact.n_outputs, many
     F = np.zeros((m + 2 * q, p + 2 * q))
     F[m : m + q, p + q :] = np.eye(q)  # w = channels' outputs
     F[m + q :, p : p + q] = np.eye(q)  # channels' inputs = z
-    rational = connect(both, F, np.eye(m + 2 * q)[:, :m], np.eye(p + 2 * q)[:p])
-    return replace(rational, input_names=exact.input_names, output_names=exact.output_names, name=exact.name)
+    mixed = connect(both, F, np.eye(m + 2 * q)[:, :m], np.eye(p + 2 * q)[:p])
+    return replace(mixed, input_names=exact.input_names, output_names=exact.output_names, name=exact.name)
 
 
 def pade_state(system: DelayLTI, order: int, state: FloatArray) -> FloatArray:
@@ -123,11 +128,12 @@ def pade_state(system: DelayLTI, order: int, state: FloatArray) -> FloatArray:
     return np.concatenate([state, np.outer(signals, rest).ravel()])
 
 
-def _open_delays(system: DelayLTI) -> DelayLTI:
-    """Inputs (u, w) and outputs (y, z) of the system with its delay channels cut open."""
-    return delay_free(
-        system.A,
-        np.hstack([system.B1, system.B2]),
-        np.vstack([system.C1, system.C2]),
-        np.block([[system.D11, system.D12], [system.D21, system.D22]]),
-    )
+def _opened(system: DelayLTI, many: int) -> DelayLTI:
+    """Inputs (u, w) and outputs (y, z) of the system with its first delay channels cut open."""
+    x, k = system, many
+    return DelayLTI(
+        x.A, np.hstack([x.B1, x.B2[:, :k]]), x.B2[:, k:],
+        np.vstack([x.C1, x.C2[:k]]), x.C2[k:],
+        np.block([[x.D11, x.D12[:, :k]], [x.D21[:k], x.D22[:k, :k]]]), np.vstack([x.D12[:, k:], x.D22[:k, k:]]),
+        np.hstack([x.D21[k:], x.D22[k:, :k]]), x.D22[k:, k:], x.tau[k:],
+    )  # fmt: skip

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from flycontrol.delay.balance import balance
 from flycontrol.delay.convert import as_delay_lti
+from flycontrol.delay.frequency import evaluate
 from flycontrol.delay.frequency_domain import frequency_domain
-from flycontrol.delay.interconnect import append, delay, feedback, series
-from flycontrol.delay.pade import pade
+from flycontrol.delay.interconnect import delay, feedback, series
+from flycontrol.delay.pade import first_delays_approximated, pade
 from flycontrol.delay.panels import kernel_blocks, transfer
 from flycontrol.delay.peak_gain import linfnorm, peak_between
 from flycontrol.delay.system import ComplexArray, DelayLTI, FloatArray, require_retarded
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
 
 _TOLERANCE = 1e-3  # relative, of both peak gains
 _HIGHEST = 40
+_DOUBTFUL = 8  # from here on it is asked whether the highest order would do
+_SAMPLES = 200
 _LEAST_ACCURACY = 1e-9
 
 
@@ -31,7 +34,8 @@ class PadeCertificate:
 
     order: int  #: n
     numdeg: int  #: m
-    #: sup over w of |(R - E) H|, the error of the approximant R of E around the exact loop; below 1 it certifies
+    #: the delays replaced one after the other: largest |(R_i - E_i) H_i|, the error of an approximant around its loop,
+    #: over w and i; below 1 it certifies; the first one of at least 1, if there is
     loop_error: float
     band: float  #: frequency up to which `error` holds [rad/s]
     error: float  #: never exceeded up to `band` by |T - T_approximate|, nor by the error of S; inf if not certified
@@ -79,18 +83,21 @@ def pade_order(
             f"The accuracy must lie in [{_LEAST_ACCURACY:g}, 1), got {accuracy!r}: rounding allows no less."
         )
     closed, band = _closed(loop), _band(loop, band)
-    omega = frequency_domain(closed).panels(0.0, band).centre.imag
-    exact = transfer(kernel_blocks(balance(closed)), 1j * omega)[0]
+    sample = _sampled(closed, band)
     least = 1 if numdeg is None else max(1, -numdeg, numdeg)
+    doubtful = _DOUBTFUL if numdeg is None or numdeg < 0 else _HIGHEST + 1  # [numdeg/40] may have unstable poles
     for order in range(least, _HIGHEST + 1):
-        if _refuted(omega, exact, pade(closed, order, numdeg), accuracy):
+        # errors fall with the order: where the highest one fails, the search need not go on
+        if order == doubtful and _refuted(sample, closed, _HIGHEST, numdeg, accuracy):
+            break
+        if _refuted(sample, closed, order, numdeg, accuracy):
             continue
         found = _certificate(closed, order, numdeg, band, 1e-3 * accuracy)
         if found.certified and found.error <= accuracy:
             return found
     raise InvalidParameterError(
-        f"No Pade order up to {_HIGHEST} closes this loop with an error of at most {accuracy:g} up to {band:.4g} "
-        "rad/s; ask for less or for a narrower band, or keep the delay exact."
+        f"No Pade order up to {_HIGHEST} closes this loop certified and with an error of at most {accuracy:g} up to "
+        f"{band:.4g} rad/s; ask for less or for a narrower band, or keep the delay exact."
     )
 
 
@@ -99,11 +106,13 @@ def pade_certificate(
 ) -> PadeCertificate:
     """Compare a loop under negative unit feedback with its [m/n] approximation.
 
-    Delays E = diag exp(-s tau_i) become R. With H the exact closed loop from the delays' outputs back to their inputs,
-    det(approximate) / det(exact) = det(I - (R - E) H). While |(R - E) H| < 1 on the imaginary axis, no root crosses it
-    on the way from E to R; none comes from infinity, nor from a pole of R, which are stable. For one delay and
-    L = N / D exp(-s T) this is |N (R - exp(-jwT)) / (D + N exp(-jwT))|: an integrator in D does no harm. The suprema
-    are upper bounds that nothing between grid points exceeds.
+    Delays E_i = exp(-s tau_i) become R_i one after the other. With H_i the closed loop from the i-th delay's output
+    back to its input, the delays before it approximated and the others exact, det(approximate) / det(exact) is the
+    product of 1 - (R_i - E_i) H_i. While every |(R_i - E_i) H_i| < 1 on the imaginary axis, no root crosses it on the
+    way from E to R; none comes from infinity, nor from a pole of R, which are stable. These are scalars: no unit of a
+    signal between two delays matters. For one delay and L = N / D exp(-s T) this is
+    |N (R - exp(-jwT)) / (D + N exp(-jwT))|: an integrator in D does no harm. The suprema are upper bounds that nothing
+    between grid points exceeds.
 
     Raises
     ------
@@ -136,8 +145,7 @@ def _closed(loop: Operand) -> DelayLTI:
 
 
 def _certificate(closed: DelayLTI, order: int, numdeg: int | None, band: float, floor: float) -> PadeCertificate:
-    around = series(_seen_by_delays(closed), _approximation_error(closed, order, numdeg))
-    loop_error = linfnorm(around, _TOLERANCE, floor=1e-4).upper
+    loop_error = _loop_error(closed, order, numdeg)
     unstable = frequency_domain(closed).poles.unstable
     error = everywhere = np.inf
     status = "not certified, which proves nothing: the approximate loop may or may not be as stable as the exact one"
@@ -161,18 +169,48 @@ def _certificate(closed: DelayLTI, order: int, numdeg: int | None, band: float, 
     )
 
 
-def _seen_by_delays(closed: DelayLTI) -> DelayLTI:
-    """H: from what is added to the delays' outputs to the delays' inputs, the loop closed."""
+def _loop_error(closed: DelayLTI, order: int, numdeg: int | None) -> float:
+    """The largest |(R_i - E_i) H_i|; what comes after one of at least 1 says nothing more."""
+    largest = 0.0
+    for i in range(closed.n_delays):
+        around = linfnorm(_error_around(closed, i, order, numdeg), _TOLERANCE, floor=1e-4)
+        largest = max(largest, around.upper)
+        if largest >= 1:
+            break
+    return largest
+
+
+def _error_around(closed: DelayLTI, i: int, order: int, numdeg: int | None) -> DelayLTI:
+    """(R_i - E_i) H_i, the delays before the i-th one approximated."""
+    x, k = closed, slice(i, i + 1)
+    seen = DelayLTI(x.A, x.B2[:, k], x.B2, x.C2[k], x.C2, x.D22[k, k], x.D22[k], x.D22[:, k], x.D22, x.tau)
+    late = delay(float(x.tau[i]))
+    return series(first_delays_approximated(seen, i, order, numdeg), pade(late, order, numdeg) - late)
+
+
+class _Sample(NamedTuple):
+    """Frequencies at which an order may be refuted at little cost."""
+
+    inside: FloatArray  #: in the band [rad/s]
+    exact: ComplexArray  #: the closed loop there
+    everywhere: FloatArray  #: up to where an error of 2 in a delay no longer matters [rad/s]
+
+
+def _sampled(closed: DelayLTI, band: float) -> _Sample:
+    inside = frequency_domain(closed).panels(0.0, band).centre.imag
+    exact = transfer(kernel_blocks(balance(closed)), 1j * inside)[0]
     x = closed
-    return DelayLTI(x.A, x.B2, x.B2, x.C2, x.C2, x.D22, x.D22, x.D22, x.D22, x.tau)
+    around = frequency_domain(DelayLTI(x.A, x.B2, x.B2, x.C2, x.C2, x.D22, x.D22, x.D22, x.D22, x.tau))
+    last = around.affordable_top(around.far.beyond(0.5))
+    return _Sample(inside, exact, np.geomspace(1e-2 * band, max(last, band), _SAMPLES))
 
 
-def _approximation_error(closed: DelayLTI, order: int, numdeg: int | None) -> DelayLTI:
-    """R - E, one channel for each delay."""
-    return append(*[pade(delay(tau), order, numdeg) - delay(tau) for tau in closed.tau])
-
-
-def _refuted(omega: FloatArray, exact: ComplexArray, approximated: DelayLTI, accuracy: float) -> bool:
-    """Whether T is off by more than the accuracy at one of some frequencies already."""
-    error = exact - transfer(kernel_blocks(balance(approximated)), 1j * omega)[0]
-    return bool(np.linalg.norm(error, 2, axis=(1, 2)).max() > accuracy)
+def _refuted(sample: _Sample, closed: DelayLTI, order: int, numdeg: int | None, accuracy: float) -> bool:
+    """Whether a frequency shows already that T is off by more than the accuracy, or that nothing will be certified."""
+    approximated = transfer(kernel_blocks(balance(pade(closed, order, numdeg))), 1j * sample.inside)[0]
+    if np.linalg.norm(sample.exact - approximated, 2, axis=(1, 2)).max() > accuracy:
+        return True
+    return any(
+        np.abs(evaluate(_error_around(closed, i, order, numdeg), sample.everywhere)).max() >= 1
+        for i in range(closed.n_delays)
+    )

@@ -1,4 +1,5 @@
 from dataclasses import replace
+from importlib import import_module
 
 import control
 import numpy as np
@@ -14,6 +15,7 @@ from flycontrol.delay.pade_order import pade_certificate, pade_order
 from flycontrol.delay.system import DelayLTI
 from flycontrol.errors import InvalidParameterError, UnstableSystemError
 
+pade_order_module = import_module("flycontrol.delay.pade_order")
 STABLE = [(m, n) for n in range(1, 9) for m in range(max(0, n - 4), n)]
 
 
@@ -171,6 +173,15 @@ def test_an_accuracy_that_no_order_reaches_is_refused():
         pade_order(pd_open(), 1e-3, band=2e4)
 
 
+def test_a_loop_that_no_order_certifies_is_refused_after_few_of_them(monkeypatch):
+    """|L| = 100 at low frequencies keeps every approximant's error far above the band from being small enough."""
+    tried = []
+    monkeypatch.setattr(pade_order_module, "pade", lambda *args: tried.append(args[1]) or pade(*args))
+    with pytest.raises(InvalidParameterError, match=r"No Pade order up to 40 closes this loop certified"):
+        pade_order(control.tf([100.0], [1.0, 1.0]) * delay(1.0) * delay(2**0.5), 0.5, band=0.1)
+    assert set(tried) <= {*range(1, 8), 40}
+
+
 def test_a_loop_without_delay_has_nothing_to_approximate():
     with pytest.raises(InvalidParameterError, match="no delay"):
         pade_order(from_control(control.tf([1.0], [1.0, 1.0])), 1e-2)
@@ -179,3 +190,38 @@ def test_a_loop_without_delay_has_nothing_to_approximate():
 def test_a_loop_on_the_boundary_is_refused():
     with pytest.raises(UnstableSystemError, match=r"on the imaginary axis, at 1 rad/s.*either side"):
         pade_order(from_control(control.tf([1.0], [1.0, 0.0])) * delay(np.pi / 2), 1e-2)
+
+
+def in_series(gain: float = 1.0) -> DelayLTI:
+    """Two delays with the plant between them."""
+    return delay(0.1) * control.tf([gain], [1.0, 1.0, 0.0]) * delay(0.1 * 2**0.5)
+
+
+def one_after_the_other() -> DelayLTI:
+    """A delay in front of a choice of two ways, one of them late."""
+    return control.tf([2.0], [1.0, 1.0, 0.0]) * delay(0.3) * (1 + delay(0.1 * 2**0.5))
+
+
+@pytest.mark.parametrize("loop", [in_series(), in_series(20.0), one_after_the_other()])
+def test_delays_in_series_are_certified_like_delays_side_by_side(loop):
+    closed = feedback(loop)
+    for order in (2, 4):
+        found = pade_certificate(loop, order)
+        assert found.certified
+        assert found.unstable == count_right_of(closed, 0.0).roots == unstable_poles(pade(closed, order))
+
+
+def test_an_order_is_found_for_delays_in_series():
+    loop = in_series(0.1)
+    found = pade_order(loop, 1e-2)
+    assert found.certified
+    w = np.linspace(0.0, found.band, 2001)
+    difference = feedback(loop)(1j * w) - pade(feedback(loop), found.order)(1j * w)
+    assert np.abs(difference).max() <= found.error <= 1e-2
+
+
+def test_gains_between_two_delays_in_series_do_not_matter_to_the_certificate():
+    """k inside and 1 / k outside: the same loop, in other units of the signal between the delays."""
+    lag = control.tf([1.0], [1.0, 1.0])
+    errors = [pade_certificate(1 / k * delay(0.2) * (k * lag) * delay(0.3), 3).loop_error for k in (1e-6, 1.0, 1e6)]
+    assert errors == pytest.approx([errors[1]] * 3, rel=3e-3)
