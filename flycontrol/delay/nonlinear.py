@@ -9,7 +9,7 @@ coefficients of x' (degrees 8 and 9), integrated, against atol + rtol |x|.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,7 @@ from flycontrol.delay.panel_march import Past, past_of, steady_inputs
 from flycontrol.delay.piecewise import PiecewisePolynomial, fitted
 from flycontrol.delay.response import Response, collocation_rule
 from flycontrol.delay.system import FloatArray
+from flycontrol.delay.trial import require_right_hand_sides
 from flycontrol.errors import InvalidParameterError
 
 _KINK_ORDER = 8
@@ -51,7 +52,8 @@ def nonlinear_response(  # noqa: PLR0913 (an experiment has these parts)
     ----------
     slope, delayed
         f -> (n,) and h -> (q,), compiled: `numba.njit` functions, or `numba.cfunc` ones of five arguments (a float and
-        four contiguous float64 arrays) that return such an array. f is smooth in x between kinks in time.
+        four contiguous float64 arrays) that return such an array. f is smooth in x between kinks in time. Both are
+        tried once in Python; compiled code does not notice when it reads outside an array later.
     tau
         Delays [s], shape (q,), each > 0.
     initial_state
@@ -74,7 +76,8 @@ def nonlinear_response(  # noqa: PLR0913 (an experiment has these parts)
     Raises
     ------
     InvalidParameterError
-        If arguments do not fit, or the state cannot be followed to the end: it escapes to infinity or f is not smooth.
+        If arguments do not fit, f or h reads more than there is or returns another shape, or the state cannot be
+        followed to the end: it escapes to infinity or f is not smooth.
     """
     lags, x0 = np.atleast_1d(np.array(tau, dtype=np.float64)), np.atleast_1d(np.array(initial_state, dtype=np.float64))
     p = np.atleast_1d(np.array(parameters, dtype=np.float64))
@@ -82,8 +85,9 @@ def nonlinear_response(  # noqa: PLR0913 (an experiment has these parts)
     signal = steady_inputs(np.zeros(0), end) if inputs is None else inputs
     if signal.starts[0] > 0 or signal.end < end * (1 - 1e-12):
         raise InvalidParameterError(f"Inputs must cover 0..{end:g} s, got {signal.starts[0]:g}..{signal.end:g} s.")
-    f, h = _first_class(slope), _first_class(delayed)
     u = np.zeros(signal.series.shape[1])
+    require_right_hand_sides(_in_python(slope), _in_python(delayed), x0, len(u), p, len(lags))
+    f, h = _first_class(slope), _first_class(delayed)
     if history is None or len(lags) == 0:
         past = _constant_past(h, lags, x0, u, p)
     else:
@@ -119,8 +123,6 @@ def _constant_past(h: Compiled, tau: FloatArray, x0: FloatArray, u: FloatArray, 
     z = np.zeros(len(tau))
     for _ in range(len(tau) + 1):  # in a chain of delays each turn settles one more of them
         z = np.asarray(h(0.0, x0, z, u, p), dtype=np.float64)
-        if z.shape != tau.shape:
-            raise InvalidParameterError(f"The delayed signals must have shape {tau.shape}, one a delay, got {z.shape}.")
     degree = len(collocation_rule()[0])
     return Past(*linear_kernels.constant_past(z, tau, degree))
 
@@ -145,11 +147,21 @@ def _varying_past(
     return past_of(fitted(signals, [-longest, *inside, 0.0]))
 
 
-def _first_class(function: Compiled) -> Compiled:
-    found = kernels.first_class(function)
+def _in_python(function: Compiled) -> Callable[..., Any]:
+    found = kernels.in_python(function)
     if found is None:
         raise InvalidParameterError(
             f"Right-hand sides must be compiled by numba.njit or numba.cfunc, got {type(function).__name__}; "
             "decorate it."
+        )
+    return found
+
+
+def _first_class(function: Compiled) -> Compiled:
+    found = kernels.first_class(function)
+    if isinstance(found, str):
+        raise InvalidParameterError(
+            "A right-hand side (t, x, w, u, p) must return a float64 array for a float and four float64 arrays; Numba "
+            f"says: {found}"
         )
     return found

@@ -1,3 +1,4 @@
+import math
 from itertools import pairwise
 
 import numba
@@ -143,3 +144,76 @@ def test_impossible_experiments_are_refused_in_a_sentence():
         nonlinear_response(growth, itself, [1.0], 2.0, [1.0], inputs=sampled([0.0, 1.0], [1.0, 1.0]), parameters=[1.0])
     with pytest.raises(InvalidParameterError, match=r"shape \(2,\), one a delay"):
         nonlinear_response(growth, itself, [1.0, 2.0], 2.0, [1.0], parameters=[1.0])
+
+
+@numba.njit
+def twice_as_many(t, x, w, u, p):
+    return np.zeros(2)
+
+
+@numba.njit
+def bare_number(t, x, w, u, p):
+    return x[0]
+
+
+@numba.njit
+def whole_numbers(t, x, w, u, p):
+    return np.array([1])
+
+
+@numba.njit
+def timeless(x, w, u, p):
+    return x
+
+
+@numba.njit
+def third_parameter(t, x, w, u, p):
+    return np.array([-p[2] * x[0]])
+
+
+@numba.njit
+def driven(t, x, w, u, p):
+    return np.array([u[0] - x[0]])
+
+
+@numba.njit
+def out_of_its_domain(t, x, w, u, p):
+    return np.array([math.sqrt(-1.0 - x[0])])
+
+
+ILL_FITTING = [
+    (third_parameter, r"`{}` reads outside .*there are 1 in x, 1 in w, 0 in u, 1 in p"),
+    (driven, r"`{}` reads outside .*0 in u"),
+    (twice_as_many, r"`{}` must return a float64 array of shape \(1,\), one a \w+, got float64 of shape \(2,\)"),
+    (bare_number, r"`{}` must return a float64 array of shape \(1,\), one a \w+, got float64"),
+    (whole_numbers, r"`{}` must return a float64 array of shape \(1,\), one a \w+, got int64"),
+    (timeless, r"`{}` must take five arguments \(t, x, w, u, p\), got a function of 4"),
+    (out_of_its_domain, r"`{}` fails at the start, at t = 0 with x = \[0\.5\]: ValueError"),
+]
+
+
+@pytest.mark.parametrize(("function", "sentence"), ILL_FITTING)
+def test_right_hand_sides_that_do_not_fit_are_refused_before_anything_compiled_runs(function, sentence):
+    with pytest.raises(InvalidParameterError, match=sentence.format("slope")):
+        nonlinear_response(function, itself, [1.0], 1.0, [0.5], parameters=[1.0])
+    with pytest.raises(InvalidParameterError, match=sentence.format("delayed")):
+        nonlinear_response(growth, function, [1.0], 1.0, [0.5], parameters=[1.0])
+
+
+@numba.njit
+def now_and_then_another_type(t, x, w, u, p):
+    return x if t < 1.0 else np.zeros((1, 1))
+
+
+def test_what_numba_cannot_compile_is_refused_in_a_sentence():
+    with pytest.raises(InvalidParameterError, match=r"must return a float64 array .*Numba says: \w+"):
+        nonlinear_response(now_and_then_another_type, itself, [1.0], 1.0, [0.5])
+
+
+def test_callbacks_compiled_ahead_give_the_same_response():
+    vector = numba.float64[::1]
+    callback = numba.cfunc(vector(numba.float64, vector, vector, vector, vector))
+    ahead, behind = callback(growth.py_func), callback(itself.py_func)
+    t = np.linspace(0.0, 3.0, 31)
+    found = nonlinear_response(ahead, behind, [1.0], 3.0, [0.3], parameters=[1.0])(t)
+    assert (found == nonlinear_response(growth, itself, [1.0], 3.0, [0.3], parameters=[1.0])(t)).all()

@@ -6,6 +6,7 @@ from functools import lru_cache
 
 import numba
 import numpy as np
+from numba.core.ccallback import CFunc
 
 from flycontrol.delay.kernels.collocation import clenshaw, factor, legendre, solve, transformed
 
@@ -13,13 +14,22 @@ _VECTOR = numba.types.Array(numba.types.float64, 1, "C")
 _SIGNATURE = _VECTOR(numba.types.float64, _VECTOR, _VECTOR, _VECTOR, _VECTOR)
 
 
+def in_python(function):
+    """The Python original of a compiled function; None if it is not compiled."""
+    if isinstance(function, CFunc):
+        return function.__wrapped__
+    return getattr(function, "py_func", None)
+
+
 @lru_cache(maxsize=64)
 def first_class(function):
-    """The function behind a pointer of one type, so that `march` is compiled once; None if it is not compiled."""
-    python = getattr(function, "py_func", None)
-    if python is not None:
-        return numba.cfunc(_SIGNATURE)(python)
-    return function if hasattr(function, "native_name") and hasattr(function, "ctypes") else None
+    """A compiled function behind a pointer of one type, so that `march` is compiled once; or why it cannot be."""
+    if isinstance(function, CFunc):
+        return function
+    try:
+        return numba.cfunc(_SIGNATURE)(function.py_func)
+    except numba.core.errors.NumbaError as refusal:
+        return [line for line in str(refusal).splitlines() if line.strip()][1]
 
 
 @numba.njit(cache=True)
