@@ -89,16 +89,18 @@ def expected_covariance(
     own = np.array([kind in _LOCAL or kind == "onset_shift" for kind in problem.kinds])
     matrix = np.zeros((len(x), len(x)))
     for part, noises in zip(problem.parts, found.noise, strict=True):
-        matrix[np.ix_(part.places, part.places)] += _information(part, noises, x, before, after)
+        matrix[part.grid] += _information(part, noises, x, before, after)
     for i, prior in problem.priors:
         matrix[i, i] += prior.deviation**-2 / (1 if own[i] else copies)
     free = np.array([kind != known for kind in problem.kinds]) & ~found.minimum.held
     C = np.zeros_like(matrix)
     size = np.sqrt(np.maximum(np.diag(matrix), 1e-300))[free]
-    scaled = matrix[np.ix_(free, free)] / (size * size[:, None])
-    C[np.ix_(free, free)] = np.linalg.pinv(scaled, hermitian=True) / (size * size[:, None])
+    scaled = matrix[free][:, free] / (size * size[:, None])
+    rows = np.flatnonzero(free)
+    C[rows[:, None], rows] = np.linalg.pinv(scaled, hermitian=True) / (size * size[:, None])
     shared = ~own  # repeated recordings say as much of their own unknowns as one, of the shared ones in proportion
-    C[np.ix_(shared, shared)] /= copies
+    rows = np.flatnonzero(shared)
+    C[rows[:, None], rows] /= copies
     return C
 
 

@@ -147,7 +147,7 @@ def minimise(
         size = np.sqrt(np.maximum(np.diag(at.matrix), 1e-300))
         H, g = at.matrix / (size * size[:, None]), at.gradient / size
         if not free.all():
-            H, g = H[np.ix_(free, free)], g[free]
+            H, g = H[free][:, free], g[free]
         newton = _solved(H, g, _REGULAR)
         if g @ newton <= close * (scale or at.cost / freedom):
             return Minimum(x, at, True, ~free, step)

@@ -122,7 +122,7 @@ def ridge_direction(at: NormalEquations, i: int, free: NDArray[np.bool_]) -> tup
     if others.any():
         size = np.sqrt(np.maximum(np.diag(H), 1e-300))
         scaled = H / size / size[:, None]
-        found = np.linalg.lstsq(scaled[np.ix_(others, others)], scaled[others, i], rcond=1e-12)[0]
+        found = np.linalg.lstsq(scaled[others][:, others], scaled[others, i], rcond=1e-12)[0]
         direction[others] = -found * size[i] / size[others]
     return direction, float(max(H[i] @ direction, 0.0))
 

@@ -54,7 +54,7 @@ def score_tests(weighted: WeightedProblem, minimum: Minimum, uncertainty: LocalU
     for part, noises in zip(problem.parts, weighted.noise, strict=True):
         kinds = _held(part)
         square = _products(part, noises, minimum.x, [NAMES.index(kind) for kind in kinds])
-        inner = C[np.ix_(part.places, part.places)]
+        inner = C[part.grid]
         for row, kind in enumerate(kinds, 1 + len(part.active)):
             cross, whole, score = square[1 : 1 + len(part.active), row], float(square[row, row]), float(square[0, row])
             variance = whole - float(cross @ inner @ cross)

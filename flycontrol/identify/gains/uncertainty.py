@@ -49,11 +49,12 @@ def local_uncertainty(weighted: WeightedProblem, minimum: Minimum, bias: bool = 
     free = ~minimum.held
     matrix = minimum.at.matrix
     scale = np.sqrt(np.maximum(np.diag(matrix), 1e-300))
-    values, vectors = np.linalg.eigh((matrix / scale / scale[:, None])[np.ix_(free, free)])
+    values, vectors = np.linalg.eigh((matrix / scale / scale[:, None])[free][:, free])
     seen = values > _SINGULAR * max(values.max(initial=0.0), 1e-300)
     k = len(minimum.x)
     inverse, blind = np.zeros((k, k)), np.zeros((int((~seen).sum()), k))
-    inverse[np.ix_(free, free)] = (vectors[:, seen] / values[seen]) @ vectors[:, seen].T
+    rows = np.flatnonzero(free)
+    inverse[rows[:, None], rows] = (vectors[:, seen] / values[seen]) @ vectors[:, seen].T
     inverse /= scale * scale[:, None]
     blind[:, free] = vectors[:, ~seen].T
     freedom = _freedom(weighted, minimum.x, inverse)
@@ -110,7 +111,7 @@ def _bias(weighted: WeightedProblem, x: FloatArray, C: FloatArray) -> FloatArray
 
 def _steps(C: FloatArray, part: TrialPart, room: FloatArray) -> list[tuple[float, FloatArray]]:
     """Columns (k,) of a root of the trial's covariance, each with the fraction of it that keeps inside the bounds."""
-    values, vectors = np.linalg.eigh(C[np.ix_(part.places, part.places)])
+    values, vectors = np.linalg.eigh(C[part.grid])
     steps: list[tuple[float, FloatArray]] = []
     for value, vector in zip(values, vectors.T, strict=True):
         column = np.zeros(len(room))
