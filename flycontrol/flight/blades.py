@@ -13,6 +13,7 @@ from scipy.linalg import eigh_tridiagonal
 from scipy.special import roots_jacobi
 
 from flycontrol.errors import InvalidParameterError
+from flycontrol.model.planform import beta_exponents
 
 FloatArray = NDArray[np.float64]
 
@@ -28,18 +29,13 @@ class BladeElements:
 def beta_blades(length: float, mean_chord: float, second_moment_radius: float, nodes: int = 6) -> BladeElements:
     """c(r) ~ r^(p-1) (1-r)^(q-1): Gauss-Jacobi nodes for Ellington's beta distribution.
 
-    Ellington 1984, part II: r2 = 0.929 r1^0.732, p = r1 k, q = (1 - r1) k, k = r1 (1 - r1) / (r2^2 - r1^2) - 1.
-
     Parameters
     ----------
     length : R [m]
     mean_chord : area / R [m]
     second_moment_radius : r2 / R
     """
-    r2 = second_moment_radius
-    r1 = (r2 / 0.929) ** (1 / 0.732)
-    k = r1 * (1 - r1) / (r2**2 - r1**2) - 1.0
-    p, q = r1 * k, (1 - r1) * k
+    p, q = beta_exponents(second_moment_radius)
     x, weight = roots_jacobi(nodes, q - 1.0, p - 1.0)
     return BladeElements(radius=length * (1 + x) / 2, area=length * mean_chord * weight / weight.sum())
 

@@ -1,6 +1,6 @@
 """Chord over the span of a wing: Ellington's beta distribution, or a table.
 
-integral of c(r)^m r^n dr, m = 1: area and its moments; m = 2, 3, 4: rotation, added mass, dissipation.
+Its moments are integrals of c(r)^m r^n dr, m = 1: area; m = 2, 3, 4: rotation, added mass, dissipation.
 """
 
 from __future__ import annotations
@@ -63,13 +63,6 @@ class Planform:
         """Integral of c^m P_k(2 r / R - 1) dr, P_k Legendre's polynomial [m^(m + 1)]."""
         shape = np.polynomial.Legendre.basis(degree)(2 * self._radius / self.length - 1)
         return float(np.sum(self._chord**chord_power * shape * self._width))
-
-    def chord_at(self, radius: FloatArray) -> FloatArray:
-        """Chord [m] at distances from the hinge [m]."""
-        x = np.asarray(radius) / self.length
-        if self.table is None:
-            return self.mean_chord * beta_chord(x, self.second_moment_radius)
-        return _table_chord(x, self.table) * (self._chord[0] / _table_chord(self._radius[:1] / self.length, self.table))
 
 
 def beta_exponents(second_moment_radius: float) -> tuple[float, float]:

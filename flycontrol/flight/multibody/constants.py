@@ -7,6 +7,7 @@ polynomials of degree n - 1. Added mass and dissipation need no blades: they are
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,6 +68,7 @@ def body_constants(morphology: Morphology) -> FloatArray:
     return np.array([mass, *inertia[np.triu_indices(3)], *morphology.right_hinge])
 
 
+@lru_cache(maxsize=64)
 def wing_constants(morphology: Morphology, air: QuasiSteadyModel, frequency: float) -> FloatArray:
     """(20,) mass and inertia, added mass, dissipation, centre of pressure, circulation of one wing.
 
@@ -94,6 +96,7 @@ def wing_constants(morphology: Morphology, air: QuasiSteadyModel, frequency: flo
     ])  # fmt: skip
 
 
+@lru_cache(maxsize=64)
 def blade_rows(morphology: Morphology, air: QuasiSteadyModel) -> FloatArray:
     """(4, n) radius and the weights of pressure, its arm, the circulation's arm (see `kernels.air`).
 
