@@ -8,11 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flycontrol.delay.asymptote import Asymptote
+from flycontrol.delay.count import count_right_of
 from flycontrol.delay.crossovers import gain_crossovers, nearest_to_minus_one, phase_crossovers
 from flycontrol.delay.frequency import require_siso
 from flycontrol.delay.frequency_domain import FrequencyDomain, frequency_domain
-from flycontrol.delay.system import FloatArray
-from flycontrol.errors import InvalidParameterError, NeutralSystemError
+from flycontrol.delay.interconnect import feedback
+from flycontrol.delay.nyquist import nyquist_response
+from flycontrol.delay.system import FloatArray, is_retarded
+from flycontrol.errors import AlgebraicLoopError, InvalidParameterError, NeutralSystemError
 
 if TYPE_CHECKING:
     from flycontrol.delay.convert import Operand
@@ -20,11 +23,12 @@ if TYPE_CHECKING:
 _LEAST = 1e-9  # size of L down to which a margin is looked for that does not show above the floor
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Margins:
-    """Margins of a negative unit feedback around L. They mean robustness only if that loop is stable.
+    """Margins of a negative unit feedback around L. They mean robustness only if that loop is `stable`.
 
-    A margin that does not exist is infinite (nothing of that kind brings the loop to the boundary).
+    A margin that does not exist is infinite (nothing of that kind brings the loop to the boundary). Angles are in
+    radians; python-control has degrees.
     """
 
     gain_margin: float  #: smallest factor > 1 on the gain that reaches the boundary
@@ -36,6 +40,42 @@ class Margins:
     phase_crossovers: FloatArray  #: every frequency with L real and negative and |L| above the floor [rad/s]
     modulus_frequency: float  #: where |1 + L| is smallest [rad/s]; inf when only approached
     floor: float  #: |L| under which phase crossovers are left out
+    unstable: (
+        int | None
+    )  #: closed-loop poles with Re s > 0; None if a pole is too near the axis or nothing was certified
+    #: up to where phase crossovers are complete [rad/s]: inf, unless a delayed direct path makes them go on for ever
+    complete_to: float
+
+    @property
+    def stable(self) -> bool:
+        """Whether the closed loop is known to have all poles left of the imaginary axis."""
+        return self.unstable == 0
+
+    @property
+    def status(self) -> str:
+        """Whether the closed loop is stable, or how many poles it has in the right half plane, in words."""
+        if self.unstable is None:
+            return "closed loop on the boundary of stability, or too near it to tell"
+        poles = f"{self.unstable} pole" + "s" * (self.unstable > 1)
+        return f"closed loop unstable: {poles} right of the imaginary axis" if self.unstable else "closed loop stable"
+
+    @property
+    def remark(self) -> str:
+        """What is not complete; empty if nothing."""
+        if self.complete_to == np.inf:
+            return ""
+        return (
+            f"phase crossovers with |L| above {self.floor:g} may go on for ever, since L has a direct path through a "
+            f"delay; those up to {self.complete_to:.4g} rad/s are given"
+        )
+
+    def __repr__(self) -> str:
+        many = len(self.gain_crossovers), len(self.phase_crossovers)
+        return (
+            f"<Margins, {self.status}: gain {self.gain_margin:.4g} and {self.gain_reduction_margin:.4g}, phase "
+            f"{self.phase_margin:.4g} rad, delay {self.delay_margin:.4g} s, modulus {self.modulus_margin:.4g}; "
+            f"{many[0]} gain and {many[1]} phase crossovers above |L| = {self.floor:g}>"
+        )
 
 
 def margins(loop: Operand, floor: float = 0.01) -> Margins:
@@ -45,7 +85,8 @@ def margins(loop: Operand, floor: float = 0.01) -> Margins:
     every crossover, where L has an integrator) to where a bound keeps L within `floor` of its limit. Crossovers are
     those of the polynomials, isolated by Descartes' rule of signs so that none is missed, then refined by Newton's
     method on L itself; two within 1e-8 of a panel count as one touch. If no phase crossover above the floor has
-    |L| < 1, the gain margin is looked for below it, down to |L| = 1e-9.
+    |L| < 1, the gain margin is looked for below it, down to |L| = 1e-9. Closed-loop poles right of the imaginary axis
+    are counted (`count_right_of`): the margins of an unstable loop say nothing of robustness.
 
     Raises
     ------
@@ -76,7 +117,25 @@ def margins(loop: Operand, floor: float = 0.01) -> Margins:
         phase_crossovers=phase,
         modulus_frequency=where,
         floor=floor,
+        unstable=_unstable(it),
+        complete_to=top if _goes_on(it.far, floor) else np.inf,
     )
+
+
+def _unstable(it: FrequencyDomain) -> int | None:
+    """Closed-loop poles right of the axis, counted; by Nyquist's criterion where the closed loop is of neutral type."""
+    try:
+        closed = feedback(it.system)
+    except AlgebraicLoopError:
+        return None
+    return (
+        count_right_of(closed, 0.0).roots if is_retarded(closed) else nyquist_response(it.system).closed_loop_unstable
+    )
+
+
+def _goes_on(far: Asymptote, floor: float) -> bool:
+    """Whether L may be real and below -floor at frequencies without end."""
+    return bool(far.delayed[0, 0] > 0 and far.undelayed[0, 0] - far.delayed[0, 0] < -floor)
 
 
 def _room_beside_one(far: Asymptote) -> float:

@@ -209,3 +209,43 @@ def test_margins_of_two_loops_at_once_are_refused():
 def test_an_empty_frequency_range_is_refused(low, high):
     with pytest.raises(InvalidParameterError, match="0 < low < high"):
         frequency_response(pd_open(), low, high)
+
+
+def test_margins_say_whether_the_closed_loop_is_stable_by_its_exact_poles():
+    for gain in (0.1, 1.0, 3.0, 30.0):
+        loop = scaled(pd_open(), gain)
+        found = margins(loop)
+        right = int((rightmost_roots(feedback(loop), 12).roots.real > 0).sum())
+        assert found.unstable == right
+        assert found.stable == (right == 0)
+        assert ("unstable" in found.status) == (right > 0)
+        assert found.status in repr(found)
+
+
+def test_margins_on_the_boundary_claim_no_stability():
+    loop = series(delay(np.pi / 2), from_control(control.tf([1.0], [1.0, 0.0])))
+    found = margins(loop)
+    assert found.unstable is None
+    assert not found.stable
+    assert "boundary" in found.status
+
+
+LATE_DIRECT = 0.5 * control.tf([1.0, 1.0], [1.0, 2.0]) * delay(0.1)
+
+
+def test_a_delayed_direct_path_is_said_to_cross_for_ever_and_up_to_where_all_are_given():
+    found = margins(LATE_DIRECT)
+    w = np.linspace(1e-3, found.complete_to, 200_001)
+    L = evaluate(LATE_DIRECT, w)
+    dense = w[:-1][np.diff(L.imag > 0) & (L.real[:-1] < 0)]
+    assert found.phase_crossovers == pytest.approx(dense, abs=1e-3)
+    assert f"up to {found.complete_to:.4g} rad/s" in found.remark
+    assert abs(evaluate(LATE_DIRECT, np.array([1e4]))[0]) > found.floor  # and further on it is no smaller
+    assert found.stable  # |L| < 1 everywhere, and the plant is stable
+
+
+def test_crossovers_are_complete_where_the_direct_path_is_undelayed_or_absent():
+    for loop in (pd_open(), from_control(control.tf([-0.5, 1.0], [1.0, 2.0]))):
+        found = margins(loop)
+        assert found.complete_to == np.inf
+        assert found.remark == ""

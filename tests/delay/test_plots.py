@@ -122,6 +122,21 @@ def test_displayed_margins_are_those_of_the_loop():
     assert np.diff(bar.get_ydata())[0] == pytest.approx(np.degrees(found.phase_margin), abs=np.degrees(0.00125))
 
 
+def test_margins_in_the_title_are_marked_at_their_own_crossovers_and_an_unstable_loop_is_called_so():
+    """Three times the gain: the lag to spend is nearly a whole turn, and the first phase crossover lies above 1."""
+    unstable = 3.0 * LOOP
+    found = margins(unstable)
+    upper, lower = bode_plot(unstable, display_margins=True)
+    assert not found.stable
+    assert found.status in upper.get_title()
+    assert "unstable" not in bode_plot(LOOP, display_margins=True)[0].get_title()
+    (gain_bar,) = [line for line in upper.lines if line.get_color() == MARK]
+    (phase_bar,) = [line for line in lower.lines if line.get_color() == MARK]
+    assert np.diff(gain_bar.get_ydata())[0] == pytest.approx(-20 * np.log10(found.gain_margin), abs=0.02)
+    assert np.diff(phase_bar.get_ydata())[0] == pytest.approx(np.degrees(found.phase_margin), abs=0.1)
+    assert phase_bar.get_xdata()[0] == found.gain_crossovers[0]
+
+
 def test_nyquist_draws_the_whole_contour_counts_and_marks_the_modulus_margin():
     found = nyquist_response(LOOP)
     ax = found.plot()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -53,7 +53,8 @@ def bode_plot(  # noqa: PLR0913 (python-control's arguments)
     label
         Of each in `data`.
     display_margins
-        Mark gain and phase crossovers, and say the margins in the title; for one system.
+        Mark the crossovers of the gain and the phase margin, and say the margins in the title, and whether the closed
+        loop is unstable; for one system.
 
     Returns
     -------
@@ -91,28 +92,44 @@ def phase_ticks(ax: Axes, which: str = "y") -> None:
 
 
 def _with_margins(upper: Axes, lower: Axes, shown: list[Curve[FrequencyResponse]]) -> str:
-    """Mark the crossovers that limit gain and phase, and say the margins."""
+    """Mark the crossovers of the gain and the phase margin, and say the margins."""
     system = shown[0].system
     if system is None or sum(curve.exact for curve in shown) > 1:
         raise InvalidParameterError("Margins are displayed for one system, given as such and not as its response.")
     found = margins(system)
-    for panel, places in ((lower, found.gain_crossovers), (upper, found.phase_crossovers)):
-        _mark(panel, (upper, lower), shown[0].result, places)
+    response = shown[0].result
+    gain, phase = _seen(response, found.gain_crossovers), _seen(response, found.phase_crossovers)
+    if len(gain.omega):
+        lags = (gain.phase + 180.0) % 360.0
+        k = int(lags.argmin())
+        _mark(lower, (upper, lower), float(gain.omega[k]), (float(gain.phase[k] - lags[k]), float(gain.phase[k])))
+    if (phase.decibels < 0).any():
+        k = int(np.where(phase.decibels < 0, phase.decibels, -np.inf).argmax())
+        _mark(upper, (upper, lower), float(phase.omega[k]), (0.0, float(phase.decibels[k])))
+    warning = "" if found.stable else f"{found.status}\n"
     return (
-        f"gain margin {20 * np.log10(found.gain_margin):.3g} dB, phase margin {np.degrees(found.phase_margin):.3g}°, "
-        f"delay margin {found.delay_margin:.3g} s"
+        f"{warning}gain margin {20 * np.log10(found.gain_margin):.3g} dB, phase margin "
+        f"{np.degrees(found.phase_margin):.3g}°, delay margin {found.delay_margin:.3g} s"
     )
 
 
-def _mark(panel: Axes, both: tuple[Axes, Axes], response: FrequencyResponse, places: FloatArray) -> None:
-    """The crossover from which least is missing to -1, and how much: dB above or degrees beside an odd half turn."""
-    inside = places[(places >= response.omega[0]) & (places <= response.omega[-1])]
-    if not len(inside):
-        return
-    values = response.decibels if panel is both[0] else np.degrees(response.phase)
-    heights = np.interp(np.log(inside), np.log(response.omega), values)
-    bases = np.zeros_like(heights) if panel is both[0] else 360.0 * np.round((heights - 180.0) / 360.0) + 180.0
-    k = int(np.abs(heights - bases).argmin())
+class _Seen(NamedTuple):
+    """A response at crossovers within its range."""
+
+    omega: FloatArray  #: [rad/s]
+    decibels: FloatArray
+    phase: FloatArray  #: [deg]
+
+
+def _seen(response: FrequencyResponse, places: FloatArray) -> _Seen:
+    omega = places[(places >= response.omega[0]) & (places <= response.omega[-1])]
+    grid = np.log(response.omega)
+    decibels, phase = (np.interp(np.log(omega), grid, y) for y in (response.decibels, np.degrees(response.phase)))
+    return _Seen(omega, decibels, phase)
+
+
+def _mark(panel: Axes, both: tuple[Axes, Axes], omega: float, ends: tuple[float, float]) -> None:
+    """A crossover, and what is missing there to -1: dB above or degrees beside an odd half turn."""
     for ax in both:
-        ax.axvline(inside[k], **GUIDE)
-    panel.plot([inside[k], inside[k]], [bases[k], heights[k]], color=MARK, linewidth=2.2, solid_capstyle="butt")
+        ax.axvline(omega, **GUIDE)
+    panel.plot([omega, omega], ends, color=MARK, linewidth=2.2, solid_capstyle="butt")
