@@ -43,6 +43,7 @@ from flycontrol.delay import (
 )
 from flycontrol.delay.plots.nyquist import modulus_of
 from flycontrol.delay.plots.root_locus import path_of
+from flycontrol.delay.plots.style import MARK
 from flycontrol.errors import InvalidParameterError, NeutralSystemError
 
 b, T = 20.0, 0.0136
