@@ -6,7 +6,6 @@ unknown torques moved does not tell a loop from its disturbance: any gains expla
 
 from __future__ import annotations
 
-from flycontrol.identify.gains.least_squares import Minimum
 from flycontrol.identify.gains.problem import FitProblem, TrialPart
 from flycontrol.units import ms
 
@@ -14,10 +13,10 @@ _DELAYS = 3.0  #: that a recording must show after the onset
 _PUBLISHED_DELAY = 3 / 220.0  #: three wingbeats at 220 Hz (review, section 6) [s]
 
 
-def what_the_data_cannot_say(problem: FitProblem, minimum: Minimum) -> str:
+def what_the_data_cannot_say(problem: FitProblem) -> str:
     """A sentence if no fit of the loop to these trials could mean anything; otherwise empty."""
     longest = max(_shown(part) for part in problem.parts)
-    delay = _delay(problem, minimum)
+    delay = _delay(problem)
     short = longest < _DELAYS * delay
     unmoved = all(part.trial.perturbation is None for part in problem.parts)
     reasons: list[str] = []
@@ -42,9 +41,11 @@ def _shown(part: TrialPart) -> float:
     return float(part.channels[0].times[-1] - max(begin, part.channels[0].times[0]))
 
 
-def _delay(problem: FitProblem, minimum: Minimum) -> float:
-    """The reaction delay: known, or as found but not under the published one unless the bounds allow no more."""
+def _delay(problem: FitProblem) -> float:
+    """The reaction delay if it is known, otherwise the published one unless the bounds allow no more [s].
+
+    Not the estimate: where recordings are too short it is whatever the noise makes of it.
+    """
     if "delay" in problem.model.known:
         return problem.model.known["delay"]
-    found = max(float(x) for x, kind in zip(minimum.x, problem.kinds, strict=True) if kind == "delay")
-    return max(found, min(_PUBLISHED_DELAY, problem.model.unknown["delay"].high))
+    return min(_PUBLISHED_DELAY, problem.model.unknown["delay"].high)

@@ -43,7 +43,7 @@ def status(
 
 def nothing_there(weighted: WeightedProblem, minimum: Minimum, uncertainty: LocalUncertainty) -> str:
     """A sentence if the data cannot say anything, no perturbation is visible or no response found; otherwise empty."""
-    limits = what_the_data_cannot_say(weighted.problem, minimum)
+    limits = what_the_data_cannot_say(weighted.problem)
     if limits:
         return limits
     moved = perturbation_test(weighted, minimum, uncertainty)
@@ -102,8 +102,11 @@ def _at_a_bound(estimates: Sequence[Estimate]) -> str:
 
 
 def _held_too_tightly(weighted: WeightedProblem, minimum: Minimum, uncertainty: LocalUncertainty) -> list[str]:
-    """The most significant score test of each kind that passes, the level shared among all of them."""
-    if not minimum.converged:
+    """The most significant score test that passes, the level shared among all of them; of a recording fitted alone.
+
+    Where several share gains, differences between the flies would pass for a shifted onset.
+    """
+    if not minimum.converged or len(weighted.problem.parts) > 1:
         return []
     tests = score_tests(weighted, minimum, uncertainty)
     passed = [test for test in tests if test.p * len(tests) < _LEVEL]
