@@ -26,6 +26,8 @@ from flycontrol.model.trajectory import FlightState, StepError, Trajectory
 
 FloatArray = NDArray[np.float64]
 
+SLOW = 50.0  #: no entry of a state beyond it: no need to look whether a fly can be so fast
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FlightPlan:
@@ -98,6 +100,7 @@ class _Lanes:
         self.step = np.array([1.0 / (plan.stroke.frequency * settings.steps) for plan in self.plans])
         self.drives: list[FloatArray] = []
         self.drive = np.empty(0)
+        self.outside = self.calm = np.zeros((settings.steps, 6 * LANES))
         self.status = ["complete"] * LANES
 
     def chunk(self, first: int, count: int) -> list[Trajectory]:
@@ -106,31 +109,34 @@ class _Lanes:
         samples = np.empty((count * per_beat + 1, 19 * LANES))
         wings = np.empty((LANES, count * per_beat + 1, 2, 12))
         errors: list[StepError | None] = [None] * LANES
-        flown = [0] * LANES
+        flown = np.zeros(LANES, dtype=int)
         for beat in range(first, first + count):
-            drive, outside = self._beat(beat)
+            self._prepare(beat)
             if beat == 0 and self.settings.estimate_error:
                 errors = filled_up([self._step_error(lane) for lane in range(self.count)])
             at = (beat - first) * per_beat
             room = samples[at : at + per_beat]
-            march_lanes(self.y, drive, self.step, outside, stride, *self.constants.arguments, room)
+            march_lanes(self.y, self.drive, self.step, self.outside, stride, *self.constants.arguments, room)
             for lane, own in enumerate(self.drives):
                 wings[lane, at : at + per_beat + 1] = own[:: 2 * stride]
-            flown = self._checked(beat, flown)
-            self._sample_end(drive[-1:], outside[-1:], samples[at + per_beat :][:1])
+            flown += self._flying(beat)
+        self._sample_end(samples[-1:])
         return [self._trajectory(lane, first, flown[lane], samples, wings[lane], errors[lane]) for lane in range(LANES)]
 
-    def _beat(self, beat: int) -> tuple[FloatArray, FloatArray]:
+    def _prepare(self, beat: int) -> None:
+        """Drive at half steps and loads from outside of one wingbeat."""
         steps = self.settings.steps
         if not self.drives or not all(repeats(plan.fly, plan.stroke) for plan in self.plans):
             phase = beat + np.arange(2 * steps + 1) / (2 * steps)
             self.drives = [drive_table(plan.fly, plan.stroke, phase) for plan in self.plans]
             self.drive = drive_in_lanes(self.drives)
-        outside = [
-            outside_loads(plan.pulses, beat / plan.stroke.frequency, step, steps)
-            for plan, step in zip(self.plans, self.step, strict=True)
-        ]
-        return self.drive, np.ascontiguousarray(np.stack(outside, axis=-1)).reshape(steps, -1)
+        self.outside = self.calm
+        if any(plan.pulses for plan in self.plans):
+            loads = [
+                outside_loads(plan.pulses, beat / plan.stroke.frequency, step, steps)
+                for plan, step in zip(self.plans, self.step, strict=True)
+            ]
+            self.outside = np.ascontiguousarray(np.stack(loads, axis=-1)).reshape(steps, -1)
 
     def _step_error(self, lane: int) -> StepError:
         plan, step = self.plans[lane], float(self.step[lane])
@@ -138,18 +144,18 @@ class _Lanes:
         constants = constants_of(plan.fly, plan.stroke.frequency)
         return estimate_step_error(self.starts[lane], self.drives[lane], step, outside, constants, self.settings)
 
-    def _checked(self, beat: int, flown: list[int]) -> list[int]:
-        """Count the wingbeat for lanes that still fly; say of others where they stopped."""
-        for lane in range(LANES):
+    def _flying(self, beat: int) -> NDArray[np.bool_]:
+        """Lanes that still fly after a wingbeat; the status of the others says where they stopped."""
+        states = self.y.reshape(BODY_STATES, LANES)
+        for lane in np.flatnonzero(~(np.max(np.abs(states), axis=0) < SLOW)):
             if self.status[lane] == "complete":
-                y = self.y.reshape(BODY_STATES, LANES)[:, lane]
-                self.status[lane] = diverged(beat, y) or "complete"
-        return [n + (status == "complete") for n, status in zip(flown, self.status, strict=True)]
+                self.status[lane] = diverged(beat, states[:, lane]) or "complete"
+        return np.array([status == "complete" for status in self.status])
 
-    def _sample_end(self, drive: FloatArray, outside: FloatArray, room: FloatArray) -> None:
+    def _sample_end(self, room: FloatArray) -> None:
         """States and accelerations at the end of a wingbeat: at the beginning of a step that is not kept."""
-        still = np.ascontiguousarray(np.repeat(drive, 3, axis=0))
-        march_lanes(self.y.copy(), still, self.step, outside, 1, *self.constants.arguments, room)
+        still = np.ascontiguousarray(np.repeat(self.drive[-1:], 3, axis=0))
+        march_lanes(self.y.copy(), still, self.step, self.outside[-1:], 1, *self.constants.arguments, room)
 
     def _trajectory(
         self, lane: int, first: int, flown: int, samples: FloatArray, wings: FloatArray, error: StepError | None
