@@ -19,7 +19,7 @@ from flycontrol.model.trial import Pulse
 from flycontrol.report import fit_tables
 from flycontrol.report.fit_figures import fit_figures
 from flycontrol.report.fit_result import FitProvenance, estimates_csv, fit_result_json
-from flycontrol.report.fit_words import KINDS, digits_for, estimate_rows, paper_table
+from flycontrol.report.fit_words import KINDS, differing_flies, digits_for, estimate_rows, paper_table
 from flycontrol.report.nominal import dampings, pulse_task, yaw_loop
 from flycontrol.report.numbers import fixed, sentence
 from flycontrol.report.page import page as stability_page
@@ -69,7 +69,7 @@ def write_fit_report(
     files = {
         "result.json": fit_result_json(study, origin),
         "estimates.csv": estimates_csv(study),
-        "table.md": paper_table(study.result),
+        "table.md": paper_table(study),
     }
     fly = fitted_fly(study, parameters)
     stability = None if fly is None else _stability(fly, origin, progress)
@@ -100,7 +100,8 @@ def fit_page(study: FitStudy, origin: FitProvenance, *, with_stability: bool) ->
         effects=[] if study.flies is None else fit_tables.effect_rows(study.flies),
         fly_sentences=fit_tables.group_sentences(study.flies),
         recording_sentences=fit_tables.group_sentences(study.single),
-        paper=paper_table(study.result),
+        paper=paper_table(study),
+        differing=differing_flies(study),
         flies=len({recording.trial.fly for recording in study.recordings}),
         with_stability=with_stability,
     )

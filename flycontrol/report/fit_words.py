@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from flycontrol.identify.gains.result import Estimate, FitResult
+from flycontrol.identify.gains.study import FitStudy
 from flycontrol.report.numbers import ABSENT, fixed
 from flycontrol.units import deg, ms
 
@@ -24,6 +25,7 @@ KINDS: dict[str, tuple[str, str, str, float]] = {
     "heading": ("heading that the fly keeps", "ψ<sub>0</sub>", "deg", deg),
     "paddling_gain": ("paddling torque an angle over inertia", "γ/<i>I</i>", "1000/s² per rad", 1e3),
 }
+_DIFFERENT = 0.01  #: p of the homogeneity test under which pooled intervals need a word
 OF_THE_LOOP = ("kp", "kd", "ki", "delay", "damping", "limit", "paddling_gain")
 
 
@@ -93,8 +95,28 @@ def _plain(symbol: str) -> str:
     return symbol
 
 
-def paper_table(result: FitResult) -> str:
+def differing_flies(study: FitStudy) -> str:
+    """What pooled intervals leave out where the flies differ: means over flies with their intervals; else empty."""
+    flies = study.flies
+    if flies is None or flies.homogeneity is None or not flies.homogeneity.p < _DIFFERENT:
+        return ""
+    said: list[str] = []
+    for effect in flies.effects:
+        _, symbol, unit, size = KINDS[effect.kind]
+        digits = digits_for((effect.mean_high - effect.mean_low) / 4 / size, effect.mean / size)
+        mean, low, high, spread = (
+            fixed(v / size, digits) for v in (effect.mean, effect.mean_low, effect.mean_high, effect.deviation)
+        )
+        said.append(f"{_plain(symbol)} {mean} {unit} ({low} to {high}, standard deviation between flies {spread})")
+    return (
+        "The flies differ, so the intervals of the pooled fit are not those of a population; "
+        f"over {flies.effects[0].count if flies.effects else 0} flies: {'; '.join(said)}."
+    )
+
+
+def paper_table(study: FitStudy) -> str:
     """A table to paste in a paper, in Markdown: what all recordings share, with intervals and units."""
+    result = study.result
     level = f"{100 * result.level:g} % interval"
     lines = [
         f"| parameter | symbol | estimate | {level} | standard error | unit |",
@@ -108,4 +130,4 @@ def paper_table(result: FitResult) -> str:
         f"{result.controller} control of the yaw angle, N_fly = -(K_P psi + K_D psi' + ...)(t - T), restoring gains "
         f"positive, fitted to {len(trials)} recordings of {len(flies)} flies. Status: {result.status}"
     )
-    return "\n".join([*lines, "", foot]) + "\n"
+    return "\n".join([*lines, "", " ".join([foot, differing_flies(study)]).strip()]) + "\n"

@@ -60,7 +60,7 @@ def test_the_page_is_well_formed_and_says_no_nan(study, origin):
 
 
 def test_the_table_to_paste_holds_every_shared_estimate_with_its_unit(study):
-    lines = paper_table(study.result).splitlines()
+    lines = paper_table(study).splitlines()
     assert [line.split(" | ")[1] for line in lines[2:7]] == ["K_P/I", "K_D/I", "T", "β/I", "γ/I"]
     assert lines[4].endswith("| ms |")
     kp = study.result["kp"]
