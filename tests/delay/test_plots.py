@@ -6,6 +6,7 @@ import control
 import matplotlib as mpl
 import numpy as np
 import pytest
+import scipy.ndimage
 from matplotlib.patches import Circle
 
 mpl.use("Agg")
@@ -41,7 +42,9 @@ from flycontrol.delay import (
     step_response,
     time_response_plot,
 )
+from flycontrol.delay.dcurve import DCurve
 from flycontrol.delay.plots.nyquist import modulus_of
+from flycontrol.delay.plots.regions import regions_of
 from flycontrol.delay.plots.root_locus import path_of
 from flycontrol.delay.plots.style import MARK
 from flycontrol.errors import InvalidParameterError, NeutralSystemError
@@ -275,6 +278,35 @@ def test_a_chart_shows_its_boundary_and_the_number_of_roots_of_each_region():
             np.testing.assert_allclose(line, np.column_stack([gains.kp, gains.kd]), rtol=1e-6, atol=1e-3)
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("kp [1/s²]", "kd [1/s]")
     assert any(other.get_ylabel() == "decay rate [1/s]" for other in ax.figure.axes)
+
+
+def test_shading_ends_on_the_exact_boundary_and_every_region_has_its_number():
+    """Pixels against the closed form for PD: stable for kp > 0, b + kd > 0 and a delay below the largest stable one."""
+    x, y = Axis("kp", "1/s²", np.linspace(-1500, 14000, 9)), Axis("kd", "1/s", np.linspace(-80, 260, 8))
+    chart = stability_chart(lambda kp, kd: feedback(PLANT, pd(kp, kd)), x, y, ["boundary"])
+    found = regions_of(chart)
+    assert sorted(region.unstable_roots for region in found.regions) == [0, 1, 2, 3]
+    size = len(found.unstable_roots)
+    kp, kd = np.meshgrid(np.linspace(-1500, 14000, size), np.linspace(-80, 260, size))
+    with np.errstate(invalid="ignore"):
+        half = (kd**2 - b**2) / 2
+        wc = np.sqrt(half + np.sqrt(half**2 + kp**2))
+        largest = (np.arctan2(kd * wc, kp) + np.arctan2(b, wc)) / wc
+    stable = (kp > 0) & (b + kd > 0) & (largest > T)
+    wrong = (found.unstable_roots == 0) != stable
+    depth = scipy.ndimage.distance_transform_edt(stable) + scipy.ndimage.distance_transform_edt(~stable)
+    assert depth[wrong].max(initial=0.0) <= 2.5  # pixels: two of a curve's own width and rounding
+    assert set(texts(chart.plot())) == {"0", "1", "2", "3"}
+
+
+def test_a_region_too_narrow_for_the_grid_is_not_guessed():
+    unstable = np.array([[1, 1, 0, 0], [1, 1, 0, 0], [1, 1, 0, 0], [1, 1, 0, 0]])
+    y = np.linspace(0.0, 3.0, 50)
+    curves = tuple(DCurve(np.full(50, at), y, np.zeros(50)) for at in (1.3, 1.6))
+    grid = np.arange(4.0)
+    chart = StabilityChart(x=Axis("a", "", grid), y=Axis("b", "", grid), unstable_roots=unstable, boundary=curves)
+    assert [region.unstable_roots for region in regions_of(chart).regions] == [-1, 0, 1]
+    assert sorted(texts(chart.plot())) == ["0", "1", "?"]
 
 
 def test_another_charts_boundary_is_drawn_dashed():

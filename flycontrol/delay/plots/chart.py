@@ -6,11 +6,12 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import scipy.ndimage
+import scipy.spatial
 
 from flycontrol.delay.chart import Axis, StabilityChart
 from flycontrol.delay.dcurve import DCurve
 from flycontrol.delay.plots.comparison import listed
+from flycontrol.delay.plots.regions import UNKNOWN, Regions, regions_of
 from flycontrol.delay.plots.style import APPROXIMATE, DASHES, INK, QUIET, legend, panel, tell
 from flycontrol.delay.system import FloatArray
 from flycontrol.errors import InvalidParameterError
@@ -20,7 +21,8 @@ if TYPE_CHECKING:
 
 _NAMES = {"decay_rate": "decay rate [1/s]", "modulus_margin": "modulus margin min |1 + L| [1]"}
 _LEVELS = 12
-_LEAST_REGION = 0.004  # of the chart, for its number to be written
+_VEILED = (0.93, 0.88, 0.84, 1.0)  # of regions whose roots are not known
+_ROOM = 0.03  # of a region around its number, in units of the picture; else it is written beside
 
 
 def stability_chart_plot(
@@ -32,6 +34,9 @@ def stability_chart_plot(
     title: str | None = None,
 ) -> Axes:
     """Regions by their number of unstable roots, a quantity where the loop is stable, and the D-curves on top.
+
+    With the chart's "boundary" the regions end on the D-curves; without, each grid point stands for its surroundings.
+    A question mark stands in a region too narrow for the grid.
 
     Parameters
     ----------
@@ -53,15 +58,16 @@ def stability_chart_plot(
         )
     shown = _values(data, quantity)
     ax = panel(ax)
-    _regions(ax, data, none_white=shown is not None and shown[1] == _NAMES["decay_rate"])
+    found = regions_of(data)
     if shown is not None:
         _filled(ax, data, *shown)
-    _numbers(ax, data)
+    _regions(ax, data, found)
     _boundary(ax, data, {"color": INK, "linewidth": 1.6}, "exact" if approximation else "")
     if approximation is not None:
         _boundary(ax, approximation, {"color": APPROXIMATE, "linewidth": 1.6, "linestyle": DASHES}, "approximation")
     ax.set_xlim(x[0], x[-1])
     ax.set_ylim(y[0], y[-1])
+    _numbers(ax, found)
     ax.set_xlabel(_axis_name(data.x))
     ax.set_ylabel(_axis_name(data.y))
     legend(ax, loc="best")
@@ -116,47 +122,84 @@ def _values(chart: StabilityChart, quantity: str | None) -> tuple[FloatArray, st
     return values, _NAMES[wanted]
 
 
-def _regions(ax: Axes, chart: StabilityChart, *, none_white: bool) -> None:
-    """Stable white, unstable the greyer the more roots; none white where contours reach across the boundary."""
-    unknown = chart.unstable_roots < 0  # a root on the axis: as beside it
-    nearest: Any = scipy.ndimage.distance_transform_edt(unknown, return_distances=False, return_indices=True)
-    many = np.clip(chart.unstable_roots[tuple(nearest)], 1 if none_white else 0, 8)
-    ax.pcolormesh(chart.x.values, chart.y.values, many, cmap="Greys", vmin=0.0, vmax=16.0, shading="nearest", zorder=0)
+def _regions(ax: Axes, chart: StabilityChart, found: Regions) -> None:
+    """Unstable the greyer the more roots, over whatever contours reach there; stable left as it is."""
+    from matplotlib import colormaps
+
+    many = found.unstable_roots
+    picture = np.asarray(colormaps["Greys"](0.22 + 0.05 * np.clip(many, 0, 8)))
+    picture[many == UNKNOWN] = _VEILED
+    picture[..., 3] = many != 0
+    x, y = chart.x.values, chart.y.values
+    ax.imshow(
+        picture, origin="lower", extent=(x[0], x[-1], y[0], y[-1]), aspect="auto", interpolation="nearest", zorder=1.5
+    )
 
 
 def _filled(ax: Axes, chart: StabilityChart, values: FloatArray, name: str) -> None:
     """Contours of a quantity over the stable region, darker where there is more of it."""
+    from matplotlib import colormaps
+    from matplotlib.colors import BoundaryNorm
     from matplotlib.ticker import MaxNLocator
 
     stable = np.where(chart.stable, values, np.nan)
-    if not np.isfinite(stable).any():
-        return
-    # a decay rate goes through zero at the boundary: contours from its values on both sides end there, on the curve
-    drawn = values if name == _NAMES["decay_rate"] else stable
-    highest = float(np.nanmax(stable))
-    if highest <= 0:
+    highest = float(stable.max(where=np.isfinite(stable), initial=0.0))
+    if not highest > 0:
         return
     levels = MaxNLocator(_LEVELS).tick_values(0.0, highest)
-    filled = ax.contourf(chart.x.values, chart.y.values, np.ma.masked_invalid(drawn), levels, cmap="YlGnBu", zorder=1)
+    style: dict[str, Any] = {"cmap": "YlGnBu", "zorder": 1, "norm": BoundaryNorm(levels, colormaps["YlGnBu"].N)}
+    points, heights = _known(chart, values, name)
+    if chart.boundary and np.linalg.matrix_rank(points - points[0], 1e-9) == 2:
+        filled = ax.tricontourf(_triangulated(chart, points), heights, levels, **style)
+    else:
+        filled = ax.pcolormesh(chart.x.values, chart.y.values, np.minimum(stable, highest), shading="nearest", **style)
     ax.figure.colorbar(filled, ax=ax, label=name)
 
 
-def _numbers(ax: Axes, chart: StabilityChart) -> None:
-    """The number of unstable roots, in the middle of every region."""
-    for many in np.unique(chart.unstable_roots[chart.unstable_roots >= 0]):
-        label: Any = scipy.ndimage.label(chart.unstable_roots == many)
-        for k in range(1, label[1] + 1):
-            region = label[0] == k
-            if region.mean() < _LEAST_REGION:
-                continue
-            depth: Any = scipy.ndimage.distance_transform_edt(np.pad(region, 1))
-            if depth.max() < 2:
-                continue
-            i, j = np.unravel_index(int(depth[1:-1, 1:-1].argmax()), region.shape)
-            ax.text(
-                chart.x.values[j], chart.y.values[i], str(many), ha="center", va="center", color=INK, zorder=3,
-                bbox={"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": QUIET, "alpha": 0.85},
-            )  # fmt: skip
+def _triangulated(chart: StabilityChart, points: FloatArray) -> Any:
+    """Delaunay's triangles between points in units of the box."""
+    from matplotlib.tri import Triangulation
+
+    x, y = (
+        axis.values[0] + share * (axis.values[-1] - axis.values[0])
+        for axis, share in zip((chart.x, chart.y), points.T, strict=True)
+    )
+    return Triangulation(x, y, scipy.spatial.Delaunay(points).simplices)
+
+
+def _known(chart: StabilityChart, values: FloatArray, name: str) -> tuple[FloatArray, FloatArray]:
+    """Points in units of the box, shape (k, 2), and what the quantity is there: stable grid points and the curves.
+
+    On a curve the decay rate is 0. So is the modulus margin where a pair of roots passes; where a real root passes the
+    origin of a loop with an integrator it is not, and has the value of the nearest stable grid point.
+    """
+    x, y = chart.x.values, chart.y.values
+    i, j = np.nonzero(chart.stable & np.isfinite(values))
+    low, size = np.array([x[0], y[0]]), np.array([x[-1] - x[0], y[-1] - y[0]])
+    points, heights = [(np.column_stack([x[j], y[i]]) - low) / size], [values[i, j]]
+    if len(i):
+        nearest = scipy.spatial.KDTree(points[0])
+        for curve in chart.boundary or ():
+            on = (np.column_stack([curve.x, curve.y]) - low) / size
+            beside = values[i, j][nearest.query(on)[1]]
+            points.append(on)
+            heights.append(beside if curve.static and name != _NAMES["decay_rate"] else np.zeros(len(on)))
+    return np.concatenate(points), np.concatenate(heights)
+
+
+def _numbers(ax: Axes, found: Regions) -> None:
+    """The number of unstable roots in the middle of every region, or beside one that is too narrow for it."""
+    box = {"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": QUIET, "alpha": 0.85}
+    middle = np.mean(ax.get_xlim()), np.mean(ax.get_ylim())
+    for region in found.regions:
+        inwards = (24.0 if region.x < middle[0] else -24.0, 24.0 if region.y < middle[1] else -24.0)
+        away = (0.0, 0.0) if region.room >= _ROOM else inwards
+        words = "?" if region.unstable_roots == UNKNOWN else str(region.unstable_roots)
+        leader = None if region.room >= _ROOM else {"arrowstyle": "-", "color": INK, "linewidth": 0.8}
+        ax.annotate(
+            words, (region.x, region.y), xytext=away, textcoords="offset points", ha="center", va="center", color=INK,
+            zorder=3, bbox=box, arrowprops=leader,
+        )  # fmt: skip
 
 
 def _boundary(ax: Axes, chart: StabilityChart, line: dict[str, Any], label: str) -> None:
