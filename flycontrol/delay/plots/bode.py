@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from flycontrol.delay.frequency import FrequencyResponse
 from flycontrol.delay.margins import margins
 from flycontrol.delay.plots.comparison import Beside, Curve
-from flycontrol.delay.plots.frequencies import frequency_curves
+from flycontrol.delay.plots.frequencies import frequencies_shown, frequency_curves
 from flycontrol.delay.plots.style import GUIDE, MARK, AxesArray, legend, line_of, panels, tell
 from flycontrol.delay.system import FloatArray
 from flycontrol.errors import InvalidParameterError
@@ -72,7 +72,7 @@ def bode_plot(  # noqa: PLR0913 (python-control's arguments)
         lower.semilogx(curve.result.omega, np.degrees(curve.result.phase), **line_of(curve))
     upper.axhline(0.0, **GUIDE)
     lower.axhline(-180.0, **GUIDE)
-    lower.set_xlim(shown[0].result.omega[0], shown[0].result.omega[-1])
+    lower.set_xlim(*frequencies_shown([curve.result for curve in shown], asked=omega is not None or omega_limits))
     upper.set_ylabel("magnitude [dB]")
     lower.set_ylabel("phase [deg]")
     lower.set_xlabel("angular frequency [rad/s]")

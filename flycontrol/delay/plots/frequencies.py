@@ -14,6 +14,7 @@ from flycontrol.delay.plots.comparison import Beside, Curve, curves, listed
 from flycontrol.delay.system import DelayLTI
 from flycontrol.errors import InvalidParameterError
 
+_STILL = np.radians(1.0)  # change of phase along an asymptote
 _MOST_TURNS = 30.0  # radians of delay: beyond, the phase is a wall
 
 
@@ -47,6 +48,24 @@ def frequency_curves(
     else:
         raise InvalidParameterError(f"Limits of frequency are a lowest and a highest one, got {omega_limits!r}.")
     return curves(data, FrequencyResponse, lambda system: frequency_response(system, low, high), beside)
+
+
+def frequencies_shown(responses: list[FrequencyResponse], *, asked: Any) -> tuple[float, float]:
+    """First and last frequency of a picture [rad/s].
+
+    Unless frequencies were asked for, of the asymptote at the start, where every phase stays within a degree, only the
+    last decade.
+    """
+    low, high = float(responses[0].omega[0]), float(responses[0].omega[-1])
+    if asked:
+        return low, high
+    turns = [_first_turn(response) for response in responses]
+    return max(low, min(0.1 * min(turns), 0.1 * high)), high
+
+
+def _first_turn(response: FrequencyResponse) -> float:
+    moved = np.flatnonzero(np.abs(response.phase - response.phase[0]) > _STILL)
+    return float(response.omega[moved[0]] if len(moved) else response.omega[0])
 
 
 def _checked(omega: ArrayLike) -> Any:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _FARTHEST = 5.0  # |L| up to which curves decide what is shown
+_TALLEST = 0.75  # half height over width of a picture that is cut off: with an integrator it would be a strip
 
 
 def nyquist_plot(  # noqa: PLR0913 (python-control's arguments)
@@ -138,6 +139,8 @@ def _frame(ax: Axes, shown: list[Curve[NyquistResponse]]) -> None:
     reach = _FARTHEST if farthest > _FARTHEST else farthest
     left, right = min(-1.6, near.real.min(initial=0.0)), max(0.6, near.real.max(initial=0.0))
     height = max(1.0, np.abs(near.imag).max(initial=0.0))
+    if farthest > _FARTHEST:
+        height = min(height, max(1.2, _TALLEST * (right - left)))
     ax.set_xlim(left - 0.05 * reach, right + 0.05 * reach)
     ax.set_ylim(-1.05 * height, 1.05 * height)
     if farthest > _FARTHEST:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flycontrol.delay.plots.comparison import Beside, Curve, curves
-from flycontrol.delay.plots.style import APPROXIMATE, GUIDE, QUIET, SERIES, legend, panel, tell
+from flycontrol.delay.plots.style import APPROXIMATE, GUIDE, QUIET, SERIES, legend, panel, shade_unstable, tell
 from flycontrol.delay.spectrum import Spectrum, rightmost_roots
 from flycontrol.delay.system import DelayLTI
 
@@ -33,7 +33,7 @@ def pole_plot(  # noqa: PLR0913 (python-control's arguments)
     label: str | Sequence[str] | None = None,
     title: str | None = None,
 ) -> Axes:
-    """The rightmost poles [1/s], and the line right of which the list is complete.
+    """The rightmost poles [1/s], the unstable half plane tinted, and the line right of which the list is complete.
 
     Parameters
     ----------
@@ -61,10 +61,10 @@ def pole_plot(  # noqa: PLR0913 (python-control's arguments)
     for curve in shown:
         roots = curve.result.roots
         ax.plot(roots.real, roots.imag, **_marker(curve), label=curve.label or None)
-    ax.axvline(0.0, color=QUIET, linewidth=0.9, zorder=0.6)
     ax.axhline(0.0, **GUIDE)
     exact = [curve.result for curve in shown if curve.exact]
     _frame(ax, exact)
+    shade_unstable(ax)
     if len(exact) == 1:
         _certified_right_of(ax, exact[0])
     ax.set_xlabel("real part [1/s]")
@@ -109,5 +109,3 @@ def _certified_right_of(ax: Axes, spectrum: Spectrum) -> None:
     certified = spectrum.status.startswith("certified")
     words = "complete right of this line, certified" if certified else f"line of the count: {spectrum.status}"
     ax.axvline(spectrum.line, color=QUIET, linewidth=1.1, linestyle="-" if certified else (0, (1, 2)), label=words)
-    if certified:
-        ax.axvspan(spectrum.line, ax.get_xlim()[1], color="#e6edf1", zorder=0.2)

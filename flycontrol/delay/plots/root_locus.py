@@ -13,7 +13,7 @@ from flycontrol.delay.interconnect import feedback
 from flycontrol.delay.locus import RootLocus, root_locus
 from flycontrol.delay.pade import pade as pade_of
 from flycontrol.delay.plots.comparison import Curve, listed, pade_label
-from flycontrol.delay.plots.style import BACKED, GUIDE, INK, MARK, QUIET, legend, line_of, panel, tell
+from flycontrol.delay.plots.style import BACKED, GUIDE, INK, MARK, legend, line_of, panel, shade_unstable, tell
 from flycontrol.delay.system import ComplexArray, DelayLTI
 from flycontrol.errors import InvalidParameterError
 
@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from flycontrol.delay.convert import Operand
 
 _MOST_WRITTEN = 6  # values beside crossings
-_REACH = 5.0  # of the picture, in sizes of the rightmost roots
+_REACH = 2.5  # of the picture, in sizes of the rightmost roots
+_USUAL = 0.75  # share of the values whose rightmost roots set that size; others may lie far out
 
 
 def root_locus_map(sysdata: Operand | Callable[[float], Any], gains: ArrayLike, count: int = 8) -> RootLocus:
@@ -53,6 +54,8 @@ def root_locus_plot(  # noqa: PLR0913 (python-control's arguments)
 ) -> Axes:
     """Branches of roots [1/s] over a parameter, the lower half plane thin, with their crossings and collisions.
 
+    The picture shows the surroundings of the rightmost roots, and says how many branches lie outside.
+
     Parameters
     ----------
     data
@@ -71,13 +74,14 @@ def root_locus_plot(  # noqa: PLR0913 (python-control's arguments)
     """
     exact, others = _loci(data, gains, count, pade, approximation)
     ax = panel(ax, (6.0, 5.0))
-    ax.axvline(0.0, color=QUIET, linewidth=0.9, zorder=0.6)
     ax.axhline(0.0, **GUIDE)
     for label, locus in [("exact" if others else "", exact), *others]:
         curve = Curve(locus, label, exact=locus is exact, series=0, alone=True)
         _draw(ax, curve)
     _mark(ax, exact, f"{parameter} = " if parameter else "", f" {unit}" if unit else "")
     _frame(ax, exact)
+    shade_unstable(ax)
+    _tell_of_the_rest(ax, exact)
     ax.set_xlabel("real part [1/s]")
     ax.set_ylabel("imaginary part [rad/s]")
     legend(ax, loc="best")
@@ -158,15 +162,30 @@ def _mark(ax: Axes, locus: RootLocus, before: str, after: str) -> None:
 
 
 def _frame(ax: Axes, locus: RootLocus) -> None:
-    """Show the surroundings of the rightmost roots; what comes from the far left is cut off."""
-    roots = locus.branches[np.isfinite(locus.branches)]
-    rightmost = np.nanargmax(locus.branches.real, axis=0)
-    size = float(np.abs(locus.branches[rightmost, np.arange(len(locus.values))]).max())
-    left = max(float(roots.real.min()), -_REACH * size)
-    right = max(float(roots.real.max()), -0.05 * left)
-    within = roots[(roots.real >= left) & (roots.imag <= _REACH * size)]
-    height = max(float(within.imag.max(initial=0.0)), 0.3 * (right - left))
-    ax.set_xlim(
-        left - 0.05 * (right - left), right + (0.4 if locus.crossings else 0.1) * (right - left)
-    )  # room for what is written
-    ax.set_ylim(-1.08 * height, 1.08 * height)
+    """Show the surroundings of the rightmost roots, of all crossings and of collisions nearby; the rest is cut off."""
+    present = np.isfinite(locus.branches).any(axis=0)
+    known = locus.branches[:, present]
+    dominant = known[np.nanargmax(known.real, axis=0), np.arange(known.shape[1])]
+    frequencies = [crossing.frequency for crossing in locus.crossings]
+    size = max([float(np.quantile(np.abs(dominant), _USUAL)), *frequencies, 1e-12])
+    meetings = [c.root for c in locus.collisions if abs(c.root) <= 2.0 * _REACH * size]
+    roots = known[np.isfinite(known)]
+    roots = roots[roots.imag <= _REACH * size]
+    left = min([max(float(roots.real.min()), -_REACH * size), *(1.1 * c for c in meetings)])
+    right = max(min(float(roots.real.max()), _REACH * size), -0.05 * left, 0.0)
+    within = roots[(roots.real >= left) & (roots.real <= right) & (roots.imag <= _REACH * size)]
+    height = max(float(within.imag.max(initial=0.0)), 0.3 * (right - left), *frequencies, 0.0)
+    width = right - left
+    # room for what is written at crossings
+    ax.set_xlim(left - 0.05 * width, right + (0.4 if locus.crossings else 0.1) * width)
+    ax.set_ylim(-1.12 * height, 1.12 * height)
+
+
+def _tell_of_the_rest(ax: Axes, locus: RootLocus) -> None:
+    """Say how many branches the picture does not show."""
+    (left, right), (_, high) = ax.get_xlim(), ax.get_ylim()
+    shown = (locus.branches.real >= left) & (locus.branches.real <= right) & (locus.branches.imag <= high)
+    hidden = int((~shown.any(axis=1)).sum())
+    if hidden:
+        words = f"{hidden} of {len(shown)} branches lie outside this picture"
+        ax.text(0.01, 0.01, words, transform=ax.transAxes, va="bottom", fontsize="small", color=INK, bbox=BACKED)
