@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import platform
 from collections.abc import Mapping
 from dataclasses import replace
@@ -127,8 +128,10 @@ def fitted_fly(study: FitStudy, parameters: Parameters) -> Parameters | None:
 
 def _is_one_loop(result: FitResult) -> bool:
     """Whether all recordings share one loop that exists."""
-    determined = all(e.name == e.kind for e in result.estimates if e.kind in ("kp", "kd", "delay", "damping"))
-    return determined and result.value("damping") >= 0 and result.value("delay") > 0
+    loop = [e for e in result.estimates if e.kind in ("kp", "kd", "delay", "damping")]
+    shared = all(e.name == e.kind for e in loop)
+    said = all(math.isfinite(e.low) or math.isfinite(e.high) for e in loop)  # open at both ends: nothing was found
+    return shared and said and result.value("damping") > 0 and result.value("delay") > 0
 
 
 def _sourced(result: FitResult, kind: str) -> Sourced:
