@@ -61,11 +61,13 @@ def inverse(system: DelayLTI) -> DelayLTI:
         If H is not square or its undelayed direct path D11 is singular.
     """
     x = system
+    if not (x.n_states or x.n_delays or x.D11.any()):
+        raise InvalidParameterError("Division by zero: the divisor is a gain of 0.")
     if x.n_inputs != x.n_outputs or not _is_invertible(x.D11):
         raise InvalidParameterError(
-            f"Division needs a square system with an invertible undelayed direct path D11, got {x.n_outputs} outputs, "
-            f"{x.n_inputs} inputs and D11 = {x.D11.tolist()!r}: the inverse would have to differentiate or to foresee. "
-            "For G / (1 + G H) write feedback(G, H); for a derivative, let the plant give it as an output."
+            "Division needs a square system with an invertible undelayed direct path D11, got shape (outputs, inputs) "
+            f"= {(x.n_outputs, x.n_inputs)} and D11 = {x.D11.tolist()!r}: the inverse would have to differentiate or "
+            "to foresee. For G / (1 + G H) write feedback(G, H); for a derivative, let the plant give it as an output."
         )
     D = np.asarray(np.linalg.inv(x.D11), dtype=np.float64)
     return DelayLTI(

@@ -15,6 +15,7 @@ from flycontrol.delay.dcurve import DCurve, trace_boundary
 from flycontrol.delay.family import Family, Member, as_system
 from flycontrol.delay.kernels import decay
 from flycontrol.delay.margins import margins
+from flycontrol.delay.real import real_array, require_callable
 from flycontrol.delay.spectrum import Spectrum, rightmost_roots
 from flycontrol.delay.system import DelayLTI, FloatArray
 from flycontrol.errors import InvalidParameterError
@@ -43,7 +44,7 @@ class Axis:
     values: FloatArray  #: rising, shape (k,); one value makes the chart a slice
 
     def __post_init__(self) -> None:
-        grid = np.array(self.values, dtype=np.float64)
+        grid = real_array(self.values, f"The values of the axis {self.name!r}")
         rises = grid.ndim == 1 and len(grid) > 0 and bool(np.isfinite(grid).all() and (np.diff(grid) > 0).all())
         if not rises:
             raise InvalidParameterError(f"The values of the axis {self.name!r} must be finite and rise strictly.")
@@ -114,6 +115,7 @@ def stability_chart(  # noqa: PLR0913 (options by name)
         If a member is of neutral type.
     """
     _check(x, y, quantities, loop_at)
+    require_callable(system_at, "The family of a chart")
     low, high = np.array([x.values[0], y.values[0]]), np.array([x.values[-1], y.values[-1]])
     family = Family(system_at, low, high)
     parts = len(y.values) + len({*quantities} - {"unstable_roots"})
@@ -146,6 +148,11 @@ def stability_chart(  # noqa: PLR0913 (options by name)
 def _check(
     x: Axis, y: Axis, quantities: Sequence[Quantity], loop_at: Callable[[float, float], DelayLTI] | None
 ) -> None:
+    for axis in (x, y):
+        if not isinstance(axis, Axis):
+            raise InvalidParameterError(
+                f"A chart needs each axis as Axis(name, unit, values), got {type(axis).__name__}."
+            )
     unknown = [quantity for quantity in quantities if quantity not in _QUANTITIES]
     if unknown:
         raise InvalidParameterError(f"A chart has no quantity {unknown[0]!r}; choose from {', '.join(_QUANTITIES)}.")

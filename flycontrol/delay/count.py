@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from flycontrol.delay.characteristic import CharacteristicBlocks
 from flycontrol.delay.convert import as_delay_lti
 from flycontrol.delay.kernels import winding
+from flycontrol.delay.real import real_number
 from flycontrol.delay.system import DelayLTI, FloatArray, require_retarded
 from flycontrol.errors import InvalidParameterError
 
@@ -47,6 +48,7 @@ def count_right_of(system: Operand, line: float) -> RootCount:
     NeutralSystemError
         If a delay feeds back into itself without passing a state.
     """
+    line = real_number(line, "A line to count roots right of, Re s [1/s],")
     if not np.isfinite(line):
         raise InvalidParameterError(f"A line to count roots right of must be at a finite Re s [1/s], got {line!r}.")
     plant = as_delay_lti(system)

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from flycontrol.delay.characteristic import matrix, matrix_derivative
 from flycontrol.delay.count import count_right_of
 from flycontrol.delay.family import Family
+from flycontrol.delay.real import real_array, real_number
 from flycontrol.delay.spectrum import rightmost_roots
 from flycontrol.delay.system import FloatArray
 from flycontrol.errors import InvalidParameterError
@@ -53,9 +54,13 @@ def pd_boundary(b: float, T: float, omega: ArrayLike) -> PDGains:
     InvalidParameterError
         If the delay is negative or something is not finite.
     """
-    w = np.asarray(omega, dtype=np.float64)
+    w = real_array(omega, "The frequencies of a PD boundary [rad/s]")
+    b, T = real_number(b, "The damping rate of a PD boundary [1/s]"), real_number(T, "The delay of a PD boundary [s]")
     if not (np.isfinite(b) and np.isfinite(T) and T >= 0 and np.isfinite(w).all()):
-        raise InvalidParameterError(f"A PD boundary needs finite b and omega and a delay >= 0 s, got b={b!r}, T={T!r}.")
+        raise InvalidParameterError(
+            f"A PD boundary needs finite b and omega and a delay >= 0 s, got b = {b:g}, T = {T:g} and omega = "
+            f"{np.array2string(w, threshold=6)}."
+        )
     return PDGains(w**2 * np.cos(w * T) + b * w * np.sin(w * T), w * np.sin(w * T) - b * np.cos(w * T))
 
 

@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flycontrol.delay.frequency import require_siso
+from flycontrol.delay.frequency_domain import frequency_domain
 from flycontrol.delay.peak_gain import hinf_norm
+from flycontrol.delay.real import real_number
 from flycontrol.delay.sensitivity import sensitivity
-from flycontrol.errors import InvalidParameterError
+from flycontrol.errors import InvalidParameterError, UnstableSystemError
 
 if TYPE_CHECKING:
     from flycontrol.delay.convert import Operand
@@ -43,10 +45,18 @@ def disk_margins(loop: Operand, skew: float = 0.0, tol: float = 1e-6) -> DiskMar
     UnstableSystemError
         If the closed loop is unstable.
     """
+    skew = real_number(skew, "The skew of a disk")
     if not np.isfinite(skew):
         raise InvalidParameterError(f"The skew of a disk must be a finite number, got {skew!r}.")
     S = sensitivity(loop)
     require_siso(S)
+    poles = frequency_domain(S).poles
+    if poles.unstable or poles.on_axis:
+        raise UnstableSystemError(
+            f"The closed loop is not stable ({poles.unstable} pole(s) with Re s > 0, {len(poles.on_axis)} on the "
+            "imaginary axis), so no change of gain and phase leaves it stable: it has no disk margin. Stabilise it "
+            "first."
+        )
     peak = hinf_norm(replace(S, D11=S.D11 + 0.5 * (skew - 1.0)), tol)
     alpha = 1.0 / peak.upper if peak.upper > 0 else np.inf
     down, up = 0.5 * alpha * (1.0 - skew), 0.5 * alpha * (1.0 + skew)

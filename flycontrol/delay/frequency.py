@@ -10,6 +10,7 @@ import numpy as np
 from flycontrol.delay.balance import balance, root_bound
 from flycontrol.delay.frequency_domain import FrequencyDomain, frequency_domain
 from flycontrol.delay.panels import kernel_blocks, transfer
+from flycontrol.delay.real import real_number
 from flycontrol.delay.system import ComplexArray, DelayLTI, FloatArray
 from flycontrol.errors import InvalidParameterError
 
@@ -84,10 +85,11 @@ def frequency_response(
     it = frequency_domain(system)
     require_siso(it.system)
     lowest, highest = _active(it)
-    low, high = lowest if low is None else low, highest if high is None else high
+    low = lowest if low is None else real_number(low, "The lowest frequency [rad/s]")
+    high = highest if high is None else real_number(high, "The highest frequency [rad/s]")
     if not 0 < low < high:
         raise InvalidParameterError(f"A frequency range needs 0 < low < high rad/s, got {low!r} and {high!r}.")
-    if not 0 < turn < np.inf:
+    if not 0 < real_number(turn, "The turn between neighbours") < np.inf:
         raise InvalidParameterError(f"The turn between neighbours must be > 0 and finite, got {turn!r}.")
     between, pieces = it.stretches(low, high), it.panels(low, high)
     even = np.geomspace(low, high, 60)

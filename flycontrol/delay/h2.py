@@ -12,6 +12,7 @@ from flycontrol.delay.expansion import DelaySum, Expansion, expansion
 from flycontrol.delay.frequency_domain import FrequencyDomain, frequency_domain
 from flycontrol.delay.panels import Panels
 from flycontrol.delay.peak_gain import require_stable
+from flycontrol.delay.real import real_number
 from flycontrol.delay.system import FloatArray
 from flycontrol.errors import InvalidParameterError
 
@@ -44,6 +45,7 @@ def h2_norm(system: Operand, tol: float = 1e-8) -> H2Norm:
     NeutralSystemError
         If a delay feeds back into itself without passing a state.
     """
+    tol = real_number(tol, "The tolerance of a norm")
     if not 1e-11 <= tol < 1:
         raise InvalidParameterError(f"The tolerance of a norm must lie in [1e-11, 1), got {tol!r}.")
     it = frequency_domain(system)

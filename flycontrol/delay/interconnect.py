@@ -84,6 +84,7 @@ def series(*systems: Operand) -> DelayLTI:
     InvalidParameterError
         If one has another number of outputs than the next has inputs.
     """
+    _require_some(systems, "A series connection")
     return reduce(_in_series, [as_delay_lti(system) for system in systems])
 
 
@@ -109,6 +110,7 @@ def parallel(*systems: Operand) -> DelayLTI:
     InvalidParameterError
         If they differ in shape.
     """
+    _require_some(systems, "A sum")
     parts = [as_delay_lti(system) for system in systems]
     m, p = parts[0].n_inputs, parts[0].n_outputs
     for other in parts[1:]:
@@ -119,6 +121,11 @@ def parallel(*systems: Operand) -> DelayLTI:
     all_of_them = append(*parts)
     F = np.zeros((all_of_them.n_inputs, all_of_them.n_outputs))
     return connect(all_of_them, F, np.vstack([np.eye(m)] * len(parts)), np.hstack([np.eye(p)] * len(parts)))
+
+
+def _require_some(systems: tuple[Operand, ...], what: str) -> None:
+    if not systems:
+        raise InvalidParameterError(f"{what} needs at least one system, got none.")
 
 
 def feedback(forward: Operand, back: Operand | None = None, sign: float = -1.0) -> DelayLTI:
@@ -137,7 +144,7 @@ def feedback(forward: Operand, back: Operand | None = None, sign: float = -1.0) 
     m, p = ahead.n_inputs, ahead.n_outputs
     if back is None or isinstance(back, int | float | np.number):
         if m != p:
-            raise InvalidParameterError(f"Unit feedback needs a square system, got {p} outputs and {m} inputs.")
+            raise InvalidParameterError(f"Unit feedback needs a square system, got shape (outputs, inputs) = {(p, m)}.")
         back = static_gain((1.0 if back is None else back) * np.eye(m))
     returning = as_delay_lti(back)
     if _shape(returning) != (m, p):
@@ -145,8 +152,8 @@ def feedback(forward: Operand, back: Operand | None = None, sign: float = -1.0) 
             f"Around a system of shape (outputs, inputs) = {_shape(ahead)} the feedback path must have shape {(m, p)}, "
             f"got {_shape(returning)}."
         )
-    if not (isinstance(sign, int | float | np.number) and np.isfinite(sign)):
-        raise InvalidParameterError(f"The sign of a feedback must be a finite number, -1 or 1, got {sign!r}.")
+    if sign not in (-1, 1):
+        raise InvalidParameterError(f"The sign of a feedback must be -1 or 1, got {sign!r}; put a gain into a system.")
     both = append(ahead, returning)
     F = np.zeros((m + p, p + m))
     F[:m, p:] = sign * np.eye(m)

@@ -15,6 +15,7 @@ from flycontrol.delay.continuation import Collision, Node, Walk, march
 from flycontrol.delay.count import count_right_of
 from flycontrol.delay.family import Family, Member
 from flycontrol.delay.kernels import continuation
+from flycontrol.delay.real import real_array, require_callable
 from flycontrol.delay.spectrum import Spectrum, rightmost_roots
 from flycontrol.delay.system import ComplexArray, DelayLTI, FloatArray
 from flycontrol.errors import InvalidParameterError
@@ -102,9 +103,10 @@ def root_locus(system_at: Callable[[float], Member], values: ArrayLike, count: i
     NeutralSystemError
         If a member is of neutral type.
     """
+    require_callable(system_at, "The family of a root locus")
     grid = _checked(values)
-    if count < 1:
-        raise InvalidParameterError(f"A root locus needs a count >= 1, got {count!r}.")
+    if not (isinstance(count, int | np.integer) and count >= 1):
+        raise InvalidParameterError(f"A root locus needs an integer count >= 1, got {count!r}.")
     family = Family(system_at, np.array([grid.min()]), np.array([grid.max()]))
     draft = _Draft(count, Walk(family, float(grid[0])))
     for value in grid:
@@ -115,7 +117,7 @@ def root_locus(system_at: Callable[[float], Member], values: ArrayLike, count: i
 
 
 def _checked(values: ArrayLike) -> FloatArray:
-    grid = np.array(values, dtype=np.float64)
+    grid = real_array(values, "Parameter values of a root locus")
     steps = np.diff(grid) if grid.ndim == 1 else np.zeros(0)
     if len(steps) == 0 or not ((steps > 0).all() or (steps < 0).all()):
         raise InvalidParameterError("A root locus needs at least two parameter values that rise or fall strictly.")

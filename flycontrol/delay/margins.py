@@ -14,6 +14,7 @@ from flycontrol.delay.frequency import require_siso
 from flycontrol.delay.frequency_domain import FrequencyDomain, frequency_domain
 from flycontrol.delay.interconnect import feedback
 from flycontrol.delay.nyquist import nyquist_response
+from flycontrol.delay.real import real_number
 from flycontrol.delay.system import FloatArray, is_retarded
 from flycontrol.errors import AlgebraicLoopError, InvalidParameterError, NeutralSystemError
 
@@ -95,6 +96,7 @@ def margins(loop: Operand, floor: float = 0.01) -> Margins:
     NeutralSystemError
         If the direct path through a delay has so much gain that crossovers have no end.
     """
+    floor = real_number(floor, "The floor of phase crossovers")
     if not 0 < floor < 1:
         raise InvalidParameterError(f"The floor of phase crossovers must lie between 0 and 1, got {floor!r}.")
     it = frequency_domain(loop)

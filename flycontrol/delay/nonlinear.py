@@ -20,6 +20,7 @@ from flycontrol.delay.kernels import march as linear_kernels
 from flycontrol.delay.kernels import nonlinear as kernels
 from flycontrol.delay.panel_march import Past, past_of, steady_inputs
 from flycontrol.delay.piecewise import PiecewisePolynomial, fitted
+from flycontrol.delay.real import real_array, real_number
 from flycontrol.delay.response import Response, collocation_rule
 from flycontrol.delay.system import FloatArray
 from flycontrol.delay.trial import require_right_hand_sides
@@ -79,8 +80,11 @@ def nonlinear_response(  # noqa: PLR0913 (an experiment has these parts)
         If arguments do not fit, f or h reads more than there is or returns another shape, or the state cannot be
         followed to the end: it escapes to infinity or f is not smooth.
     """
-    lags, x0 = np.atleast_1d(np.array(tau, dtype=np.float64)), np.atleast_1d(np.array(initial_state, dtype=np.float64))
-    p = np.atleast_1d(np.array(parameters, dtype=np.float64))
+    lags, x0 = real_array(tau, "Delays [s]", 1), real_array(initial_state, "The initial state", 1)
+    p = real_array(parameters, "Parameters", 1)
+    end, rtol, atol = (
+        real_number(value, what) for value, what in ((end, "The end of a response [s]"), (rtol, "rtol"), (atol, "atol"))
+    )
     _require(lags, x0, end, rtol, atol)
     signal = steady_inputs(np.zeros(0), end) if inputs is None else inputs
     if signal.starts[0] > 0 or signal.end < end * (1 - 1e-12):

@@ -15,6 +15,7 @@ from flycontrol.delay.interconnect import delay, feedback, series
 from flycontrol.delay.pade import first_delays_approximated, pade
 from flycontrol.delay.panels import kernel_blocks, transfer
 from flycontrol.delay.peak_gain import linfnorm, peak_between
+from flycontrol.delay.real import real_number
 from flycontrol.delay.system import ComplexArray, DelayLTI, FloatArray, require_retarded
 from flycontrol.errors import InvalidParameterError, UnstableSystemError
 
@@ -78,6 +79,7 @@ def pade_order(
     NeutralSystemError
         If it is of neutral type.
     """
+    accuracy = real_number(accuracy, "The accuracy of a Pade approximation")
     if not _LEAST_ACCURACY <= accuracy < 1:
         raise InvalidParameterError(
             f"The accuracy must lie in [{_LEAST_ACCURACY:g}, 1), got {accuracy!r}: rounding allows no less."
@@ -125,6 +127,7 @@ def pade_certificate(
 def _band(loop: Operand, band: float | None) -> float:
     if band is None:
         return frequency_domain(as_delay_lti(loop)).far.beyond(0.1)
+    band = real_number(band, "The band of a Pade approximation")
     if not 0 < band < np.inf:
         raise InvalidParameterError(f"The band of a Pade approximation must be > 0 rad/s and finite, got {band!r}.")
     return band

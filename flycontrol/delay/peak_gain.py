@@ -11,6 +11,7 @@ from scipy.optimize import fminbound
 from flycontrol.delay.frequency_domain import FrequencyDomain, frequency_domain
 from flycontrol.delay.kernels import bernstein
 from flycontrol.delay.panels import Panels, bernstein_matrix, joined
+from flycontrol.delay.real import real_number
 from flycontrol.errors import InvalidParameterError, UnstableSystemError
 
 if TYPE_CHECKING:
@@ -45,6 +46,7 @@ def linfnorm(system: Operand, tol: float = 1e-6, floor: float = 0.0) -> PeakGain
     NeutralSystemError
         If a delay feeds back into itself without passing a state.
     """
+    tol = real_number(tol, "The tolerance of a norm")
     if not 1e-10 <= tol < 1:
         raise InvalidParameterError(f"The tolerance of a norm must lie in [1e-10, 1), got {tol!r}.")
     it = frequency_domain(system)

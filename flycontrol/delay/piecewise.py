@@ -11,6 +11,7 @@ from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
 
 from flycontrol.delay.kernels import march as kernels
+from flycontrol.delay.real import real_array, require_callable
 from flycontrol.delay.system import FloatArray
 from flycontrol.errors import InvalidParameterError
 
@@ -76,7 +77,7 @@ def piecewise_polynomial(edges: ArrayLike, coefficients: ArrayLike) -> Piecewise
     InvalidParameterError
         As `PiecewisePolynomial`.
     """
-    t, powers = np.asarray(edges, dtype=np.float64), np.asarray(coefficients, dtype=np.float64)
+    t, powers = real_array(edges, "Edges [s]"), real_array(coefficients, "Coefficients")
     lengths = np.diff(t)
     if powers.ndim != 3 or len(powers) != len(lengths):
         raise InvalidParameterError(
@@ -101,7 +102,7 @@ def sampled(times: ArrayLike, samples: ArrayLike, hold: Literal["linear", "zero"
     InvalidParameterError
         If shapes do not fit, times do not rise, or anything is not finite.
     """
-    t, values = np.asarray(times, dtype=np.float64), np.atleast_2d(np.asarray(samples, dtype=np.float64))
+    t, values = real_array(times, "Times of samples [s]"), real_array(samples, "Samples", 2)
     if t.ndim != 1 or len(t) < 2 or values.shape[1:] != t.shape or not np.isfinite(values).all():
         raise InvalidParameterError(
             f"Samples must be finite with one column for each of at least 2 times, got shape {values.shape} and times "
@@ -133,7 +134,10 @@ def fitted(function: Callable[[float], ArrayLike], breaks: Sequence[float] | Flo
     InvalidParameterError
         If the function does not become smooth: a kink or jump is missing in `breaks`.
     """
-    marks = np.asarray(breaks, dtype=np.float64)
+    require_callable(function, "What is fitted")
+    marks = real_array(breaks, "Breaks [s]")
+    if not (marks.ndim == 1 and len(marks) > 1 and (np.diff(marks) > 0).all()):
+        raise InvalidParameterError(f"Breaks must be at least 2 rising times [s], got {marks.tolist()!r}.")
     x = np.cos(np.pi * (np.arange(LARGEST_DEGREE + 1) + 0.5) / (LARGEST_DEGREE + 1))[::-1]
     to_series = np.linalg.inv(chebyshev.chebvander(x, LARGEST_DEGREE))
     todo = list(zip(marks[-2::-1].tolist(), marks[:0:-1].tolist(), strict=True))

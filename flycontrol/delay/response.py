@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from flycontrol.delay.convert import as_delay_lti
 from flycontrol.delay.history import constant_history
 from flycontrol.delay.kernels import march as kernels
+from flycontrol.delay.real import real_array, real_number
 from flycontrol.delay.system import DelayLTI, FloatArray, require_retarded
 from flycontrol.errors import InvalidParameterError
 
@@ -45,7 +46,7 @@ class Response:
         InvalidParameterError
             If a time lies outside the range or the times fall.
         """
-        t = np.array(times, dtype=np.float64, ndmin=1)
+        t = real_array(times, "Times of a response [s]", 1)
         end = self.end
         if not (t[0] >= self.starts[0] - 1e-12 * end and t[-1] <= end * (1 + 1e-12) and (t[1:] >= t[:-1]).all()):
             raise InvalidParameterError(
@@ -96,12 +97,13 @@ def response(
     NeutralSystemError
         If a delay feeds back into itself without passing a state.
     """
+    end = real_number(end, "The end of a response [s]")
     if not (end > 0 and np.isfinite(end)):
         raise InvalidParameterError(f"The end of a response must be > 0 s, got {end!r}.")
     plant = as_delay_lti(system)
     require_retarded(plant)
-    steps = np.array(edges, dtype=np.float64, ndmin=1)
-    values = np.zeros((len(steps), plant.n_inputs)) if inputs is None else np.asarray(inputs, dtype=np.float64)
+    steps = real_array(edges, "Input edges [s]", 1)
+    values = np.zeros((len(steps), plant.n_inputs)) if inputs is None else real_array(inputs, "Inputs")
     if values.ndim == 1:
         values = values[:, None]
     if not (steps[0] == 0 and (steps[1:] > steps[:-1]).all()):
@@ -113,7 +115,7 @@ def response(
         )
     if initial_state is None:
         return Response(*_march(plant, float(end), steps, values, np.zeros(plant.n_states), np.zeros(plant.n_delays)))
-    x0 = np.array(initial_state, dtype=np.float64)
+    x0 = real_array(initial_state, "The initial state")
     if x0.shape != (plant.n_states,) or not np.isfinite(x0).all():
         raise InvalidParameterError(f"The initial state must be {plant.n_states} finite numbers, got {x0.tolist()!r}.")
     return Response(*_march(plant, float(end), steps, values, x0, constant_history(plant, x0)))

@@ -72,6 +72,7 @@ class Signals:
         if not isinstance(spec, str) or "." in spec:
             return [[selected] for selected in self.find(spec)]
         name, gain = _sign(spec)
+        self.refuse_twins(name)
         found: list[list[Selected]] = []
         first = 0
         for labels in self.labels:
@@ -84,6 +85,22 @@ class Signals:
                 f"{spec!r} is the name of a system and of an {self.kind}; write 'system.{name}'."
             )
         return found or [[selected] for selected in self.find(spec)]
+
+    def refuse_twins(self, name: str) -> None:
+        """Refuse a signal's name that several systems of one name bear: taken together they are rarely what was meant.
+
+        Raises
+        ------
+        InvalidParameterError
+            If there are such systems.
+        """
+        bearers = [system for system, labels in zip(self.systems, self.labels, strict=True) if _matching(name, labels)]
+        twins = [system for system in bearers if system and bearers.count(system) > 1]
+        if twins:
+            raise InvalidParameterError(
+                f"{len(twins)} systems called {twins[0]!r} have an {self.kind} {name!r}, and would silently share it; "
+                "give them and their signals different names (see `named`), or select by number."
+            )
 
     def find(self, spec: Spec) -> list[Selected]:
         """The signals that a specification with its system selects; empty if there is no such system or signal.

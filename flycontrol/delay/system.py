@@ -106,7 +106,10 @@ class DelayLTI:
         InvalidParameterError
             If s holds a root of the system.
         """
-        points = np.asarray(s, dtype=np.complex128)
+        try:
+            points = np.asarray(s, dtype=np.complex128)
+        except (TypeError, ValueError) as refusal:
+            raise InvalidParameterError(f"A complex frequency s [1/s] must be a number, got {s!r}.") from refusal
         inner = characteristic_matrix(self, points)
         n = self.n_states
         factor = _delay_factor(self, points)

@@ -24,6 +24,7 @@ from flycontrol.delay.panel_march import (
     steady_inputs,
 )
 from flycontrol.delay.piecewise import PiecewisePolynomial, sampled
+from flycontrol.delay.real import real_array, real_number, require_callable
 from flycontrol.delay.response import Response
 from flycontrol.delay.spectrum import rightmost_roots
 from flycontrol.delay.system import DelayLTI, FloatArray
@@ -142,10 +143,15 @@ def forced_response(
     x0 = _state(plant, initial_state)
     if isinstance(inputs, PiecewisePolynomial):
         t, signal = _times(plant, inputs.end if timepts is None else timepts), inputs
+    elif callable(inputs):
+        raise InvalidParameterError(
+            "Inputs are samples, a number or a piecewise polynomial, got a function; hand it over as "
+            "fitted(function, [0, end]), with every kink and jump among the breaks."
+        )
     else:
         t = _times(plant, timepts)
         steady = np.ndim(inputs) == 0
-        constant = np.full(plant.n_inputs, inputs, dtype=np.float64) if steady else np.zeros(0)
+        constant = np.full(plant.n_inputs, real_number(inputs, "A constant input")) if steady else np.zeros(0)
         signal = steady_inputs(constant, float(t[-1])) if steady else sampled(t, inputs, hold)
     found = _single(plant, t, _march(plant, signal, x0, t))
     return replace(found, approximated=partial(_approximated, forced_response, plant, x0, (t, signal)))
@@ -166,7 +172,7 @@ def initial_response(
     timepts
         As in `step_response`.
     initial_state
-        State (n,) at time 0; with a history, history(0) when left out, else zero.
+        State (n,) at time 0, a number standing for n of them; with a history, history(0) when left out.
     history
         States (n,) at times t <= 0 [s].
     breaks
@@ -181,7 +187,13 @@ def initial_response(
     """
     plant = as_delay_lti(system)
     t = _times(plant, timepts)
-    start = initial_state if initial_state is not None else (0.0 if history is None else history(0.0))
+    if history is not None:
+        require_callable(history, "A history, t [s] -> states (n,),")
+    start = history(0.0) if initial_state is None and history is not None else initial_state
+    if start is None:
+        raise InvalidParameterError(
+            "An initial response needs an initial state or a history: from rest, and without input, nothing moves."
+        )
     still = steady_inputs(np.zeros(plant.n_inputs), float(t[-1]))
     x0 = _state(plant, start)
     found = _single(plant, t, _march(plant, still, x0, t, history, breaks))
@@ -269,7 +281,7 @@ def _single(plant: DelayLTI, t: FloatArray, march: March) -> TimeResponse:
 
 
 def _times(plant: DelayLTI, timepts: ArrayLike | None) -> FloatArray:
-    t = np.asarray(_settled_end(plant) if timepts is None else timepts, dtype=np.float64)
+    t = real_array(_settled_end(plant) if timepts is None else timepts, "Times of a response [s]")
     if t.ndim == 0:
         t = np.linspace(0.0, float(t), _POINTS) if t > 0 and np.isfinite(t) else np.zeros(0)
     if not (t.ndim == 1 and len(t) > 1 and t[0] == 0 and np.isfinite(t).all() and (np.diff(t) > 0).all()):
@@ -290,5 +302,5 @@ def _settled_end(plant: DelayLTI) -> float:
 
 
 def _state(plant: DelayLTI, state: ArrayLike) -> FloatArray:
-    given = np.asarray(state, dtype=np.float64)
-    return np.full(plant.n_states, float(given)) if given.ndim == 0 else given.copy()
+    given = real_array(state, "The initial state")
+    return np.full(plant.n_states, float(given)) if given.ndim == 0 else given

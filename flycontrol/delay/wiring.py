@@ -104,7 +104,10 @@ def _equal_names(u: Signals, y: Signals) -> list[_Entry]:
     bearers: dict[str, list[int]] = {}
     for o, label in enumerate(y.flat()):
         bearers.setdefault(label, []).append(o)
-    return [(i, o, 1.0) for i, label in enumerate(u.flat()) for o in bearers.get(label, [])]
+    wires = [(i, o, 1.0) for i, label in enumerate(u.flat()) for o in bearers.get(label, [])]
+    for label in {u.flat()[i] for i, _, _ in wires}:
+        y.refuse_twins(label)
+    return wires
 
 
 def _wires(u: Signals, y: Signals, connections: list[Any]) -> list[_Entry]:

@@ -5,15 +5,26 @@ import numpy as np
 import pytest
 
 from flycontrol.delay import (
+    Axis,
     count_right_of,
     delay,
     delay_lti,
     feedback,
+    forced_response,
     frequency_response,
+    initial_response,
+    interconnect,
     margins,
+    named,
     pade,
+    parallel,
+    pd_boundary,
     response,
     rightmost_roots,
+    root_locus,
+    sampled,
+    series,
+    stability_chart,
     to_statespace,
 )
 from flycontrol.delay.certificate import certify_interval, largest_certified_delay, stability_certificate
@@ -40,12 +51,12 @@ OF_ANOTHER_SHAPE = [
     (lambda: np.ones((2, 3)) * TWO, r"\(2, 2\) and \(2, 3\)"),
     (lambda: feedback(TWO, THREE), r"\(2, 2\).*\(2, 2\), got \(3, 3\)"),
     (lambda: gangof4(TWO, LAG), r"\(2, 2\).*\(2, 2\), got \(1, 1\)"),
-    (lambda: feedback(static_gain(np.ones((1, 2)))), "1 outputs and 2 inputs"),
+    (lambda: feedback(static_gain(np.ones((1, 2)))), r"square system, got shape \(outputs, inputs\) = \(1, 2\)"),
     (lambda: margins(TWO), r"one input and one output, got shape \(outputs, inputs\) = \(2, 2\)"),
     (lambda: delay_lti(A=np.eye(2), B1=[[1.0]], C1=[[1.0]]), r"B1 must have shape \(2, 1\).*got \(1, 1\)"),
 ]
 
-NORMS_AND_PEAKS = [hinf_norm, h2_norm, system_norm, lambda G: gangof4(G, 0.1).peaks(), lambda G: disk_margins(0.1 * G)]
+NORMS_AND_PEAKS = [hinf_norm, h2_norm, system_norm, lambda G: gangof4(G, 0.1).peaks()]
 
 OF_RETARDED_SYSTEMS_ONLY = [
     rightmost_roots,
@@ -76,12 +87,13 @@ ALGEBRAIC_LOOPS = [
     lambda: feedback(control.ss([[-1.0]], [[1.0]], [[1.0]], [[-1.0]])),
 ]
 
-DIVISORS = [delay(0.1), 0.0, np.zeros((2, 2)), LAG * delay(0.1), static_gain(np.ones((1, 2)))]
+DIVISORS = [delay(0.1), np.ones((2, 2)), LAG * delay(0.1), static_gain(np.ones((1, 2)))]
 
 NO_SUCH_ARGUMENT = [
     (lambda: delay_lti(A=[[0.0, 1.0], [1.0]], B1=[[1.0]], C1=[[1.0]]), r"DelayLTI\.A must be.*rows equally long"),
     (lambda: delay_lti(A=[[1j]], B1=[[1.0]], C1=[[1.0]]), r"DelayLTI\.A must be an array of real numbers"),
-    (lambda: feedback(LATE, 1.0, np.nan), "sign of a feedback must be a finite number, -1 or 1, got nan"),
+    (lambda: feedback(LATE, 1.0, np.nan), "sign of a feedback must be -1 or 1, got nan"),
+    (lambda: feedback(LATE, 1.0, 0.5), r"sign of a feedback must be -1 or 1, got 0\.5; put a gain"),
     (lambda: rightmost_roots(LATE, 0), "count of rightmost roots must be an integer >= 1, got 0"),
     (lambda: rightmost_roots(LATE, 2.5), r"must be an integer >= 1, got 2\.5"),
     (lambda: rightmost_roots("loop"), "combines with delay systems.*got str"),
@@ -92,6 +104,72 @@ NO_SUCH_ARGUMENT = [
     (lambda: certify_interval(feedback(LATE), np.nan, 1.0), "0 <= low < high in seconds, got low = nan"),
     (lambda: largest_certified_delay(feedback(LATE), tolerance=np.nan), r"in \(0, 1\), got nan"),
 ]
+
+TIMES = np.linspace(0.0, 1.0, 11)
+CLOSED = feedback(LATE)
+FROM_STRINGS = [
+    (lambda: margins(LATE, "a"), "floor of phase crossovers must be a real number, got 'a'"),
+    (lambda: pade_order(LATE, "a"), "accuracy of a Pade approximation must be a real number"),
+    (lambda: pade_certificate(LATE, 2, band="a"), "band of a Pade approximation must be a real number"),
+    (lambda: hinf_norm(CLOSED, tol="a"), "tolerance of a norm must be a real number"),
+    (lambda: h2_norm(CLOSED, "a"), "tolerance of a norm must be a real number"),
+    (lambda: certify_interval(CLOSED, "a", "b"), r"low end of an interval \[s\] must be a real number"),
+    (lambda: largest_certified_delay(CLOSED, low="a"), r"low \[s\] must be a real number"),
+    (lambda: count_right_of(LATE, None), r"Re s \[1/s\], must be a real number, got None"),
+    (lambda: disk_margins(LATE, skew="a"), "skew of a disk must be a real number"),
+    (lambda: frequency_response(LATE, "a", "b"), r"lowest frequency \[rad/s\] must be a real number"),
+    (lambda: frequency_response(LATE, turn="a"), "turn between neighbours must be a real number"),
+    (lambda: step_response(LATE, "a"), r"Times of a response \[s\] must be real numbers, got 'a'"),
+    (lambda: initial_response(LATE, 1.0, "ab"), "initial state must be real numbers, got 'ab'"),
+    (lambda: response(LATE, "a"), r"end of a response \[s\] must be a real number"),
+    (lambda: response(LATE, 1.0, edges="a"), r"Input edges \[s\] must be real numbers"),
+    (lambda: response(LATE, 1.0, [0.0], [[1.0], [1.0, 2.0]]), "Inputs must be real numbers in rows equally long"),
+    (lambda: response(LATE, 1.0)("a"), "Times of a response"),
+    (lambda: Axis("gain", "1/s", "x"), "values of the axis 'gain' must be real numbers, got 'x'"),
+    (lambda: root_locus(lambda k: feedback(k * LATE), "ab"), "Parameter values of a root locus must be real numbers"),
+    (lambda: root_locus(lambda k: feedback(k * LATE), [1.0, 2.0], "a"), "integer count >= 1, got 'a'"),
+    (lambda: pd_boundary("a", 1.0, [1.0]), r"damping rate of a PD boundary \[1/s\] must be a real number"),
+    (lambda: sampled("ab", [1.0, 2.0]), r"Times of samples \[s\] must be real numbers"),
+    (lambda: LATE("a"), r"complex frequency s \[1/s\] must be a number, got 'a'"),
+    (parallel, "sum needs at least one system"),
+    (series, "series connection needs at least one system"),
+]
+
+SLICE = Axis("gain", "1", [1.0])
+OF_THE_WRONG_KIND = [
+    (lambda: stability_chart(lambda a, b: CLOSED, [1, 2], [3, 4]), r"as Axis\(name, unit, values\), got list"),
+    (
+        lambda: stability_chart(5, Axis("a", "", [1.0]), Axis("b", "", [1.0])),
+        "family of a chart must be a function, got 5",
+    ),
+    (lambda: root_locus(5, [1.0, 2.0]), "family of a root locus must be a function, got 5"),
+    (lambda: initial_response(CLOSED, 1.0, history=[1, 2]), r"history.*must be a function, got \[1, 2\]"),
+    (lambda: initial_response(CLOSED, 6.0), "needs an initial state or a history"),
+    (lambda: forced_response(LATE, TIMES, np.sin), r"got a function; hand it over as fitted\(function, \[0, end\]\)"),
+    (lambda: pd_boundary(1.0, 1.0, [np.nan]), r"b = 1, T = 1 and omega = \[nan\]"),
+    (lambda: TWO / 0, "Division by zero"),
+    (lambda: TWO / np.zeros((2, 2)), "Division by zero"),
+]
+
+
+@pytest.mark.parametrize(("call", "sentence"), [*FROM_STRINGS, *OF_THE_WRONG_KIND])
+def test_what_is_no_number_or_of_the_wrong_kind_is_refused_in_a_sentence(call, sentence):
+    with pytest.raises(InvalidParameterError, match=sentence):
+        call()
+
+
+def test_an_unstable_loop_has_no_disk_margin_and_is_told_so_in_words_of_the_loop():
+    with pytest.raises(UnstableSystemError, match=r"closed loop is not stable \(2 pole.*no disk margin"):
+        disk_margins(4.0 * LATE)
+
+
+def test_systems_of_one_name_do_not_silently_share_a_signal():
+    P = named(LAG, inputs="u", outputs="y", name="P")
+    with pytest.raises(InvalidParameterError, match=r"2 systems called 'P' have an input 'u'.*different names"):
+        interconnect([P, P], inputs="u", outputs="y")
+    with pytest.raises(InvalidParameterError, match="2 systems called 'P' have an output 'y'"):
+        interconnect([P, P], [], inplist=[(0, "u"), (1, "u")], outlist=["y"])
+    assert interconnect([P, P], [], inplist=[(0, "u"), (1, "u")], outlist=[(0, "y"), (1, "y")]).n_outputs == 2
 
 
 @pytest.mark.parametrize("seconds", NOT_A_DELAY, ids=repr)

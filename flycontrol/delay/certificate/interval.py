@@ -11,6 +11,7 @@ import numpy as np
 from flycontrol.delay.certificate.certify import DelayCertificate, certify, refuse_unstable
 from flycontrol.delay.certificate.history import delayed_signals
 from flycontrol.delay.convert import as_delay_lti
+from flycontrol.delay.real import real_number
 from flycontrol.delay.system import DelayLTI, delay_lti
 from flycontrol.errors import InvalidParameterError
 
@@ -58,6 +59,7 @@ def certify_interval(
     InvalidParameterError
         If the ends are not 0 <= low < high, or the system has several distinct delays.
     """
+    low, high = real_number(low, "The low end of an interval [s]"), real_number(high, "The high end of an interval [s]")
     if not (0 <= low < high < np.inf):
         raise InvalidParameterError(
             f"An interval of delays needs 0 <= low < high in seconds, got low = {low!r} and high = {high!r}."
@@ -114,10 +116,11 @@ def largest_certified_delay(  # noqa: PLR0913 (keywords of the certificate)
     InvalidParameterError
         If low is not >= 0 and below up_to, the tolerance is not in (0, 1), or the system has several distinct delays.
     """
+    low, tolerance = real_number(low, "low [s]"), real_number(tolerance, "The tolerance of the delay")
     loop = as_delay_lti(system)
     prove = _prover(loop, order, full_history=full_history, solver=solver)
     own = float(loop.tau[0])
-    end = 1000.0 * max(own, low) if up_to is None else float(up_to)
+    end = 1000.0 * max(own, low) if up_to is None else real_number(up_to, "up_to [s]")
     if not (0 <= low < end < np.inf):
         raise InvalidParameterError(
             f"The search needs 0 <= low < up_to in seconds, got low = {low!r}, up_to = {end!r}."
