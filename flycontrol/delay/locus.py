@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flycontrol.delay.bracket import bracketed_root
+from flycontrol.delay.characteristic import matrix
 from flycontrol.delay.continuation import Collision, Node, Walk, march
 from flycontrol.delay.count import count_right_of
 from flycontrol.delay.family import Family, Member
@@ -250,16 +251,39 @@ def _finished(draft: _Draft, grid: FloatArray) -> RootLocus:
 
 
 def _crossings(family: Family, branch: int, path: list[Node]) -> list[AxisCrossing]:
-    """Sign changes of the real part along a path of rising values, each solved for by Brent's method."""
+    """Sign changes of the real part along a path of rising values, each solved for."""
     size = max(abs(node.root) for node in path)
     away = [node for node in path if abs(node.root.real) > 1e-12 * size]
     found: list[AxisCrossing] = []
     for a, b in pairwise(away):
         if a.root.real * b.root.real < 0:
-            value = bracketed_root(lambda v, a=a, b=b: _root_between(family, a, b, v).real, a.value, b.value)
-            root = _root_between(family, a, b, value)
-            found.append(AxisCrossing(value=value, frequency=root.imag, rightward=b.root.real > 0, branch=branch))
+            value, frequency = _crossing(family, a, b)
+            found.append(AxisCrossing(value=value, frequency=frequency, rightward=b.root.real > 0, branch=branch))
     return found
+
+
+def _crossing(family: Family, a: Node, b: Node) -> tuple[float, float]:
+    """Parameter and frequency at which a branch crosses the axis between two nodes."""
+    at_rest = _through_the_origin(family, a, b) if a.root.imag == 0.0 and b.root.imag == 0.0 else None
+    if at_rest is not None:
+        return at_rest, 0.0
+    value = bracketed_root(lambda v: _root_between(family, a, b, v).real, a.value, b.value)
+    return value, _root_between(family, a, b, value).imag
+
+
+def _through_the_origin(family: Family, a: Node, b: Node) -> float | None:
+    """Where det M(0) = 0 between two nodes of a real branch: as smooth in the parameter as the family itself.
+
+    The root is not, where another one is near: what is left of it after Newton hides where it crosses. None if M(0) is
+    singular an even number of times or not at all between the nodes, or where the family changes its structure.
+    """
+
+    def determinant(value: float) -> float:
+        return float(np.linalg.det(matrix(family.blocks(np.array([value])), 0.0).real))
+
+    if not determinant(a.value) * determinant(b.value) < 0:
+        return None
+    return bracketed_root(determinant, a.value, b.value)
 
 
 def _root_between(family: Family, a: Node, b: Node, value: float) -> complex:

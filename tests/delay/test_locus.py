@@ -1,7 +1,9 @@
+import control
 import numpy as np
 import pytest
 from pd_loop import KD, KP, B, T, newton_step, pd_closed, pd_open
 
+from flycontrol.delay.interconnect import delay, feedback
 from flycontrol.delay.locus import root_locus
 from flycontrol.delay.margins import margins
 
@@ -68,3 +70,18 @@ def test_the_delay_locus_leaves_the_poles_without_delay_at_first_order():
         expected = pole + start * (KP + KD * pole) * pole / (2 * pole + B + KD)
         # the second order is (|s| T)^2 |s|, 2e-7
         assert np.nanmin(np.abs(locus.branches[:, 0] - expected)) < 1e-6
+
+
+@pytest.mark.parametrize("points", [3, 5, 8, 21])
+def test_a_real_root_crosses_the_origin_where_the_closed_loop_matrix_at_rest_is_singular(points):
+    """s^2 - a + (18 + 5 s) e^(-0.2 s) at s = 0: a = 18, on any grid."""
+
+    def inverted(a):
+        plant = control.ss([[0.0, 1.0], [a, 0.0]], [[0.0], [1.0]], np.eye(2), 0.0)
+        return feedback(plant, delay(0.2) * np.array([[18.0, 5.0]]))
+
+    locus = root_locus(inverted, np.linspace(10.0, 22.0, points), 4)
+    at_rest = [crossing for crossing in locus.crossings if crossing.frequency == 0.0]
+    assert len(at_rest) == 1
+    assert at_rest[0].value == pytest.approx(18.0, rel=1e-14)
+    assert at_rest[0].rightward
