@@ -47,6 +47,7 @@ class StabilityResult:
     stable: bool
     poles: ComplexArray  #: rightmost poles [1/s]
     pole_errors: FloatArray  #: estimated error of each [1/s]
+    poles_status: str  #: "certified" if a count found no other so far right, else what is not certain
     margins: Margins | None
     pulse: TorquePulse | None  #: the pulse that deflects this loop to the task's peak
     recovery_time: float | None  #: [s]
@@ -69,7 +70,7 @@ def assess(loop: YawLoop, task: PulseTask, count: int = 10) -> StabilityResult:
         )
         return StabilityResult(
             loop=loop, task=task, stable=False, poles=spectrum.roots, pole_errors=spectrum.errors,
-            margins=None, pulse=None, recovery_time=None, reason=reason,
+            poles_status=spectrum.status, margins=None, pulse=None, recovery_time=None, reason=reason,
         )  # fmt: skip
     try:
         pulse = pulse_for_peak(loop, task.duration, task.peak)
@@ -79,5 +80,5 @@ def assess(loop: YawLoop, task: PulseTask, count: int = 10) -> StabilityResult:
         pulse, seconds, reason = None, None, str(too_slow)
     return StabilityResult(
         loop=loop, task=task, stable=True, poles=spectrum.roots, pole_errors=spectrum.errors,
-        margins=loop.margins(), pulse=pulse, recovery_time=seconds, reason=reason,
+        poles_status=spectrum.status, margins=loop.margins(), pulse=pulse, recovery_time=seconds, reason=reason,
     )  # fmt: skip

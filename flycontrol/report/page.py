@@ -104,6 +104,7 @@ def page(
         exact_error=tables.exact_error(found),
         delay_check=tables.delay_check(found),
         chart_check=tables.chart_check(found),
+        poles_check=tables.poles_check(found),
         labels={reference.key: _LABELS.get(reference.key, reference.label) for reference in cited},
         references=cited,
         flight=flight,

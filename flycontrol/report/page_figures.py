@@ -118,7 +118,9 @@ def _gain_locus(study: StabilityStudy) -> PageFigure:
     reading = LocusReading(own=1.0, labels=MARKED_FACTORS, scale=1.0, unit="×")
     end = nearest_crossing(study.gain_locus, 1.0)
     bound = "" if end is None else f"{fixed(end.value, 2)} times the gains of this loop"
-    caption = _locus_caption("both gains together change", bound, end, study)
+    low, high = study.gain_locus.values[[0, -1]]
+    moved = f"both gains together go from {significant(low, 2)} to {significant(high, 3)} times this loop’s"
+    caption = _locus_caption(moved, bound, end, study)
     return _page_figure("gain-locus", root_loci(study.gain_locus, reading), "Root locus in the gain", caption)
 
 
@@ -127,12 +129,14 @@ def _delay_locus(study: StabilityStudy) -> PageFigure:
     reading = LocusReading(own=delay, labels=MARKED_DELAYS, scale=1 / ms, unit=" ms")
     end = nearest_crossing(study.delay_locus, delay)
     bound = "" if end is None else f"a delay of {milliseconds(end.value)}"
-    caption = _locus_caption("the reaction delay alone changes", bound, end, study)
+    low, high = study.delay_locus.values[[0, -1]]
+    moved = f"the reaction delay alone goes from {brief(low)} to {brief(high)}"
+    caption = _locus_caption(moved, bound, end, study)
     return _page_figure("delay-locus", root_loci(study.delay_locus, reading), "Root locus in the delay", caption)
 
 
 def _locus_caption(what: str, bound: str, end: AxisCrossing | None, study: StabilityStudy) -> str:
-    start = f"Exact closed-loop poles as {what}, upper half plane. "
+    start = f"Exact closed-loop poles as {what}, where the branches end; upper half plane. "
     if end is None:
         return start + "No pole crosses the imaginary axis in this range."
     turns = end.frequency / (2 * np.pi)
@@ -157,9 +161,10 @@ def _chart(study: StabilityStudy) -> PageFigure | None:
     caption = (
         f"Left: all PD gains at this fly’s damping and its delay of {milliseconds(delay)}; numbers count the unstable "
         "roots of a region. Exact: the heavy curve, on which a pair of roots lies on the imaginary axis "
-        "(K_P/I = ω² cos ωT + bω sin ωT, K_D/I = ω sin ωT − b cos ωT), the line K_P = 0, where a root lies at the "
-        f"origin, and the star. {right}Read between points of a grid, {many} by {many}: shades of the decay rate, "
-        "certified at each point, and the lines of equal modulus margin."
+        "(over inertia, the proportional gain ω² cos ωT + bω sin ωT and the derivative gain ω sin ωT − b cos ωT), the "
+        f"line of no proportional gain, where a root lies at the origin, and the star. {right}Read between points of "
+        f"a grid, {many} by {many}: shades of the decay rate, certified at each point, and the lines of equal modulus "
+        "margin."
     )
     figure = gain_chart(plane, slice_, study.result.margins, delay)
     return _page_figure("chart", figure, "Stability chart", caption)

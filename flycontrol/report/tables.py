@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from flycontrol.model.chain import Link
@@ -203,19 +204,35 @@ def exact_error(study: StabilityStudy) -> str:
     return significant(float(study.result.pole_errors[0]), 1) + " (estimated)"
 
 
+def poles_check(study: StabilityStudy) -> str:
+    """Say whether a count by the argument principle found other poles as far right."""
+    status = study.result.poles_status
+    if status == "certified":
+        return "Certified: a count by the argument principle found no other pole as far right as these."
+    if status.startswith("certified"):
+        return f"{status[0].upper()}{status[1:]}."
+    return f"The count by the argument principle does not confirm that none is missing: {status}."
+
+
 def delay_check(study: StabilityStudy) -> str:
     """Set the closed form of the largest stable delay against the number from the margins."""
     closed, result = study.closed_form_largest_delay, study.result
     if closed is None:
-        return "The closed form of the largest stable delay does not apply: it needs K_P > 0 and β + K_D > 0."
+        return "The closed form of the largest stable delay does not apply: it needs a positive "
+        "proportional gain and a positive sum of derivative gain and damping."
     form = f"The closed form for PD control puts the largest stable delay at {milliseconds(closed, 4)}"
     if result.margins is None:
         return f"{form}, below this loop’s {milliseconds(result.loop.delay, 4)}: unstable, as found from the poles."
     numeric = result.loop.delay + result.margins.delay_margin
     return (
         f"{form}; delay plus delay margin, by root-finding on the frequency response, give {milliseconds(numeric, 4)}: "
-        f"a difference of {significant(abs(numeric - closed) / ms, 1, 'ms')}."
+        f"they agree within {significant(_bound(numeric - closed, closed) / ms, 1, 'ms')}."
     )
+
+
+def _bound(difference: float, size: float) -> float:
+    """The power of ten next above a difference, but not below what rounding leaves open."""
+    return 10.0 ** math.ceil(math.log10(max(abs(difference), 1e-12 * size)))
 
 
 def chart_check(study: StabilityStudy) -> str:
@@ -228,8 +245,9 @@ def chart_check(study: StabilityStudy) -> str:
     rate = -float(study.result.poles[0].real)
     place = (
         f"The slowest mode of this loop decays at {fixed(rate, 1, '1/s')}; over all gains the fastest that it could be "
-        f"is {fixed(plane.fastest_rate, 1, '1/s')}, a closed form, at K_P/I = {fixed(plane.fastest[0], 0, '1/s²')} and "
-        f"K_D/I = {fixed(plane.fastest[1], 1, '1/s')}, where three real roots meet."
+        f"is {fixed(plane.fastest_rate, 1, '1/s')}, a closed form, with a proportional gain over inertia of "
+        f"{fixed(plane.fastest[0], 0, '1/s²')} and a derivative gain over inertia of "
+        f"{fixed(plane.fastest[1], 1, '1/s')}, where three real roots meet."
         if rate > 0
         else f"These gains lie outside the stable region; the fastest decay that gains could give this plant is "
         f"{fixed(plane.fastest_rate, 1, '1/s')}."

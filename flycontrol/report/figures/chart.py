@@ -9,18 +9,20 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
 from flycontrol.delay.chart import StabilityChart
 from flycontrol.delay.margins import Margins
 from flycontrol.delay.system import FloatArray
 from flycontrol.model.gain_plane import DelaySlice, GainPlane
-from flycontrol.report.style import FORBIDDEN, INK, MARK, STRENGTHS, in_house_style, new_figure
+from flycontrol.report.style import INK, MARK, STRENGTHS, in_house_style, new_figure
 from flycontrol.units import ms
 
 MODULUS_LEVELS = (0.3, 0.5, 0.7)  #: modulus margins that are drawn as lines
-_SHADES = LinearSegmentedColormap.from_list("decay", ["#eef6fb", *STRENGTHS[:4]])
-_STABLE = "#cfe5f2"
+_SHADES = LinearSegmentedColormap.from_list("decay", ["#ffffff", *STRENGTHS[:4]])
+_UNSTABLE = "#cdc8c1"  # darker than elsewhere: apart from the lightest shade in greyscale too
+_STABLE = "#eaf4fa"
 _DASHES = ("dotted", "dashed", "solid")
 _FLY: dict[str, Any] = {
     "marker": "s",
@@ -72,7 +74,7 @@ def _legend() -> list[Line2D]:
 def _draw_plane(figure: Figure, ax: Axes, plane: GainPlane) -> None:
     kp, kd, rate = plane.chart.x.values, plane.chart.y.values, plane.chart.decay_rate
     assert rate is not None
-    ax.set_facecolor(FORBIDDEN)
+    ax.set_facecolor(_UNSTABLE)
     levels = _round_levels(plane.fastest_rate)
     shades = ax.contourf(kp, kd, rate, levels, cmap=_SHADES)
     lines = ax.contour(
@@ -87,7 +89,7 @@ def _draw_plane(figure: Figure, ax: Axes, plane: GainPlane) -> None:
     ax.set_xlim(kp[0], kp[-1])
     ax.set_ylim(kd[0], kd[-1])
     _mark_fly(ax, plane)
-    _write_counts(ax, plane.chart, 1.0, [plane.own, plane.fastest])
+    _write_counts(ax, plane.chart, 1.0, [plane.own, plane.fastest], _on_lines(plane.distance))
     ax.set_xlabel("proportional gain over inertia [1/s²]")
     ax.set_ylabel("derivative gain over inertia [1/s]")
     bar = figure.colorbar(shades, ax=ax, orientation="horizontal", pad=0.02, aspect=40)
@@ -113,7 +115,7 @@ def _mark_fly(ax: Axes, plane: GainPlane) -> None:
 
 def _draw_slice(ax: Axes, slice_: DelaySlice, margins: Margins | None, delay: float) -> None:
     x, y = slice_.chart.x.values, slice_.chart.y.values / ms
-    ax.set_facecolor(FORBIDDEN)
+    ax.set_facecolor(_UNSTABLE)
     critical = slice_.largest_stable_delay / ms
     ax.fill_between(slice_.factor, 0, np.minimum(critical, 2 * y[-1]), color=_STABLE, linewidth=0)
     ax.plot(slice_.factor, critical, color=INK, linewidth=1.6)
@@ -144,16 +146,36 @@ def _mark_margins(ax: Axes, margins: Margins, delay: float) -> None:
     if delay + later < top:
         ax.annotate("", (1.0, delay + later), xytext=(1.0, delay), arrowprops=arrow)
         ax.annotate(
-            f"delay\n+ {later:.1f} ms", (1.0, delay + 0.5 * later), xytext=(-4, 0), textcoords="offset points",
-            color=MARK, ha="right", va="center",
+            f"delay + {later:.1f} ms", (1.0, delay + 0.5 * later), xytext=(-3, 0), textcoords="offset points",
+            color=MARK, ha="right", va="center", rotation=90,
         )  # fmt: skip
 
 
-def _write_counts(ax: Axes, chart: StabilityChart, scale: float, marks: list[tuple[float, float]]) -> None:
-    """The number of unstable roots in each region, where it has most room beside the marks."""
+def _on_lines(distance: FloatArray) -> NDArray[np.bool_]:
+    """Grid points with a line of equal modulus margin on the way to a neighbour."""
+    crossed = np.zeros(distance.shape, dtype=np.bool_)
+    for level in MODULUS_LEVELS:
+        above = distance >= level
+        rows, columns = above[1:] != above[:-1], above[:, 1:] != above[:, :-1]
+        crossed[1:] |= rows
+        crossed[:-1] |= rows
+        crossed[:, 1:] |= columns
+        crossed[:, :-1] |= columns
+    return crossed
+
+
+def _write_counts(
+    ax: Axes,
+    chart: StabilityChart,
+    scale: float,
+    marks: list[tuple[float, float]],
+    taken: NDArray[np.bool_] | None = None,
+) -> None:
+    """The number of unstable roots in each region, where it has most room beside marks and points that are taken."""
     x, y = chart.x.values, chart.y.values
     for count in np.unique(chart.unstable_roots[chart.unstable_roots >= 0]):
-        free = np.pad(chart.unstable_roots == count, 1)
+        within = chart.unstable_roots == count
+        free = np.pad(within if taken is None else within & ~taken, 1)
         for mark in marks:
             free[1 + int(np.argmin(np.abs(y - mark[1]))), 1 + int(np.argmin(np.abs(x - mark[0])))] = False
         room = np.asarray(distance_transform_edt(free))[1:-1, 1:-1]

@@ -106,31 +106,33 @@ def _label_values(ax: Axes, locus: RootLocus, reading: LocusReading, end: comple
         inside = np.isfinite(root.real) and 0.04 * high < root.imag < 0.8 * high and left < root.real < 0.6 * right
         if not inside or any(_touches(ax, root, other, 0.25) for other in written):
             continue
-        if any(_touches(ax, root, mark, 0.03) for mark in marks):
+        if any(_touches(ax, root, mark, 0.07) for mark in marks):
             continue
         written.append(root)
         ax.plot(root.real, root.imag, "o", color=EXACT, markersize=3)
-        flat = _is_flat(ax, locus, pair, value)
+        slope = _slope(ax, locus, pair, value)
+        flat = abs(slope) < 0.6
         ax.annotate(
-            _written(reading, value), (root.real, root.imag), xytext=(0, 6) if flat else (6, -5),
+            _written(reading, value), (root.real, root.imag), xytext=(0, 6) if flat else (6, 2 if slope < 0 else -5),
             textcoords="offset points", ha="center" if flat else "left",
         )  # fmt: skip
 
 
-def _is_flat(ax: Axes, locus: RootLocus, branch: int, value: float) -> bool:
-    """Whether a branch runs so level at a value that text beside it would lie on it."""
+def _slope(ax: Axes, locus: RootLocus, branch: int, value: float) -> float:
+    """How steeply a branch rises to the right at a value, in heights of the picture a width."""
     k = int(np.flatnonzero(locus.values == value)[0])
     around = locus.branches[branch, max(k - 1, 0) : k + 2]
     moved = around[-1] - around[0]
     (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
-    return bool(abs(moved.imag) / (high - low) < 0.6 * abs(moved.real) / (right - left))
+    across = moved.real / (right - left)
+    return float(moved.imag / (high - low) / across) if across else np.inf
 
 
 def _touches(ax: Axes, root: complex, other: complex, reach: float) -> bool:
     """Whether the text right of a root could touch another mark, or its text that reaches so far [widths]."""
     (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
     beside = (other.real - root.real) / (right - left)
-    return abs(root.imag - other.imag) < (0.06 if reach > 0.1 else 0.04) * (high - low) and -reach < beside < 0.25
+    return abs(root.imag - other.imag) < 0.06 * (high - low) and -reach < beside < 0.25
 
 
 def _written(reading: LocusReading, value: float) -> str:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.legend_handler import HandlerTuple
+from matplotlib.lines import Line2D
 
 from flycontrol.model.stability import StabilityResult
 from flycontrol.model.study import YawRecoveries
 from flycontrol.report.style import (
     BAND,
     GUIDE_LINE,
-    INK,
     MARK,
     PADE,
     PULSE,
@@ -53,9 +54,7 @@ def recoveries(found: YawRecoveries, result: StabilityResult, wingbeat_frequency
     _mark_band(yaw, result)
     middle = sum(torque.get_ylim()) / 2
     torque.text(result.task.duration / ms / 2, middle, "pulse", ha="center", va="center", rotation=90)
-    yaw.plot([], [], color=INK, linewidth=1.7, label="exact delay")
-    yaw.plot([], [], color=PADE, linewidth=0.9, linestyle=(0, (3, 3)), label=f"Padé, order {found.pade_order}")
-    yaw.legend(loc="upper right")
+    _tell_lines(yaw, found)
     yaw.set_ylabel("yaw [deg]")
     yaw.set_ylim(top=1.12 * float(found.yaw.max()) / deg)
     torque.set_ylabel("fly's torque [nN m]")
@@ -65,6 +64,15 @@ def recoveries(found: YawRecoveries, result: StabilityResult, wingbeat_frequency
     wingbeat_axis(yaw, wingbeat_frequency)
     figure.align_ylabels([yaw, torque, error])
     return figure
+
+
+def _tell_lines(ax: Axes, found: YawRecoveries) -> None:
+    """A legend with the shades that are drawn."""
+    shades = tuple(Line2D([], [], color=colour, linewidth=1.7) for colour in colours_by_strength(len(found.peaks)))
+    near = Line2D([], [], color=PADE, linewidth=0.9, linestyle=(0, (3, 3)))
+    words = ["exact delay, darker for stronger pulses", f"Padé, order {found.pade_order}"]
+    every = {tuple: HandlerTuple(ndivide=None, pad=0.0)}
+    ax.legend([shades, near], words, loc="upper right", handler_map=every, handlelength=3.2)
 
 
 def _write_strengths(ax: Axes, found: YawRecoveries) -> None:
