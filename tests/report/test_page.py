@@ -34,6 +34,17 @@ def test_the_page_fetches_nothing_and_runs_nothing(any_page):
     assert "http" not in any_page
 
 
+def test_the_table_of_poles_says_whether_a_count_certifies_it(stable, stable_page, parameters, origin):
+    assert "Certified: a count by the argument principle" in stable_page
+    doubted = replace(stable, result=replace(stable.result, poles_status="not certified"))
+    assert "does not confirm that none is missing: not certified" in page(doubted, parameters, origin)
+
+
+def test_symbols_of_the_gains_are_never_raw(any_page):
+    assert "K_P" not in any_page
+    assert "K_D" not in any_page
+
+
 def test_every_element_is_closed(any_page):
     outline = Outline(any_page)
     assert not outline.errors
