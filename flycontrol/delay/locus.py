@@ -46,7 +46,7 @@ class Entry:
     root: complex  #: [1/s]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class RootLocus:
     """Branches of the rightmost roots over a parameter."""
 
@@ -56,6 +56,10 @@ class RootLocus:
     collisions: tuple[Collision, ...] = ()  #: double roots on the real axis, by parameter value
     entries: tuple[Entry, ...] = ()  #: branches that came from the far left
     status: str = "certified"  #: "certified", or what is not certain and where
+
+    def __repr__(self) -> str:
+        counts = f"{len(self.branches)} branches, {len(self.crossings)} crossings, {len(self.collisions)} collisions"
+        return f"<RootLocus, {self.status}: {counts} over {self.values[0]:.4g}..{self.values[-1]:.4g}>"
 
     def plot(self, **options: Any) -> Axes:
         """Draw it; options and return value as in `root_locus_plot`."""

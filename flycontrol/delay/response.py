@@ -24,7 +24,7 @@ _GAUSS_NODES = 10
 _REACH = 1.0  # longest panel times the fastest rate: the collocation error is then below 1e-12 of the state
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Response:
     """A time response as a piecewise polynomial; call it for values at any times of its range."""
 
@@ -32,6 +32,9 @@ class Response:
     lengths: FloatArray  #: length of each panel [s], shape (P,)
     series: FloatArray  #: Chebyshev coefficients of the outputs, shape (P, p, degree + 1)
     states: FloatArray  #: states at panel starts and at the end, shape (P + 1, n)
+
+    def __repr__(self) -> str:
+        return f"<Response: {self.series.shape[1]} signal(s) on {len(self.starts)} panels over 0..{self.end:.4g} s>"
 
     @property
     def end(self) -> float:

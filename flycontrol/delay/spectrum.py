@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 _MOST_NODES = 400
 _FIRST_NODES = 60  # a count tells whether they were enough; the bound on the roots of a stiff plant asks for far more
 _SWEPT_NODES = 130  # from here on the missing roots are sought around points higher up the imaginary axis
+_LARGEST_EXPONENT = 700.0  # exp of more overflows
 _WINDOW_NODES = 30  # of each such point: the cost of a stretch of the axis is least about there
 
 
@@ -34,13 +35,21 @@ class Spectrum:
     errors: FloatArray  #: estimated error of each root: its last Newton step [1/s]
     line: float  #: every root with Re s > line is listed, if `status` is "certified" [1/s]
     nodes: int  #: collocation nodes of the longest delay; 0 without delays
-    #: "certified, with fewer roots than asked: ..." when the others lie beyond what collocation resolves
-    status: str  #: "certified", "not certified", "a root too near the line", or "not counted" without `certify`
+    #: "certified", "certified, with fewer roots than asked: ..." when the others lie beyond what collocation resolves,
+    #: "not certified", "a root too near the line", or "not counted" without `certify`
+    status: str
+
+    @property
+    def certified(self) -> bool:
+        """Whether a count by the argument principle found no other root with Re s > line."""
+        return self.status.startswith("certified")
 
     @property
     def abscissa(self) -> float:
-        """Real part of the rightmost root [1/s]; -inf for a system without roots."""
-        return float(self.roots[0].real) if len(self.roots) else -np.inf
+        """Real part of the rightmost root [1/s]; -inf for a system without roots, NaN if none was found for certain."""
+        if len(self.roots):
+            return float(self.roots[0].real)
+        return -np.inf if self.certified else np.nan
 
     def plot(self, **options: Any) -> Axes:
         """Draw it; options and return value as in `pole_plot`."""
@@ -97,10 +106,17 @@ def _sought(blocks: CharacteristicBlocks, count: int, nodes: int, *, certify: bo
             found = swept if swept.status == "certified" else found
         enough = len(found.roots) >= count or len(found.roots) >= _most_roots(blocks, count)
         if (found.status != "not certified" and enough) or nodes >= _MOST_NODES:
-            return found
+            return _first(found, count) if certify and found.status == "not certified" else found
         if found.status == "certified" and nodes > 40 + 10 * count:
             return replace(found, status="certified, with fewer roots than asked: the rest lie far left, unresolved")
         nodes = min(_MOST_NODES, nodes + nodes // 2)
+
+
+def _first(found: Spectrum, count: int) -> Spectrum:
+    """No more roots than asked for, where the others were only there for a count that failed."""
+    many = min(count, len(found.roots))
+    many += 0 < many < len(found.roots) and found.roots[many - 1].imag > 0
+    return replace(found, roots=found.roots[:many], errors=found.errors[:many])
 
 
 def _most_roots(blocks: CharacteristicBlocks, count: int) -> int:
@@ -149,7 +165,9 @@ def _swept(blocks: CharacteristicBlocks, line: float) -> ComplexArray:
     A, B2, C2, D22, tau = blocks
     longest = tau.max()
     half = 0.6 * _WINDOW_NODES / longest
-    reach = min(winding.radius(A, B2, C2, D22, np.exp(-min(line, 0.0) * tau)), 1e3 * half)
+    reach = min(
+        winding.radius(A, B2, C2, D22, np.exp(np.minimum(-min(line, 0.0) * tau, _LARGEST_EXPONENT))), 1e3 * half
+    )
     centre = _collocated(blocks, 2 * _WINDOW_NODES)
     found = [centre[(centre.imag >= 0) & (centre.imag < half)]]
     for w0 in np.arange(2 * half, reach + half, 2 * half):

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,7 +29,12 @@ class DelayLTI:
     G + H, G - H, G * H (y = G(H u)), G / H (y = G(H^-1 u)) and -G are those of transfer matrices. Either side may be a
     number, a gain matrix, or python-control's StateSpace or TransferFunction (save `TransferFunction / DelayLTI`, which
     python-control refuses by itself: write `ss(G) / H`). As there, a number or a system with one input and one output
-    is added to every entry and multiplies every entry. Names do not survive arithmetic: see `named`.
+    is added to every entry and multiplies every entry. Names do not survive arithmetic: see `named`. G[i, j] is the
+    part from input j to output i.
+
+    What takes systems here takes those of python-control too. Python-control's own functions do not take a `DelayLTI`:
+    for control.feedback, series, bode_plot, step_response and the like take the ones of this package by the same name,
+    or hand over `to_statespace(G, order)`, a Pade approximation. Angles are in radians here, phase margins included.
 
     Raises
     ------
@@ -140,6 +145,41 @@ class DelayLTI:
                 "around it first."
             ) from infinite
 
+    def poles(self, count: int = 10) -> ComplexArray:
+        """The `count` rightmost poles [1/s], of infinitely many: those of `rightmost_roots`, which says how certain.
+
+        Raises
+        ------
+        InvalidParameterError
+            If the count is not an integer >= 1, or no certificate could be had.
+        NeutralSystemError
+            If a delay feeds back into itself without passing a state.
+        """
+        from flycontrol.delay.spectrum import rightmost_roots
+
+        found = rightmost_roots(self, count)
+        if not found.certified:
+            raise InvalidParameterError(
+                f"The {count} rightmost poles could not be listed for certain ({found.status}); ask for another "
+                "number, or see what rightmost_roots finds."
+            )
+        return found.roots
+
+    def __getitem__(self, key: tuple[Any, Any]) -> DelayLTI:
+        """sys[i, j] or with slices: from inputs j to outputs i, as in python-control; states and delays all stay."""
+        if not (isinstance(key, tuple) and len(key) == 2):
+            raise InvalidParameterError(f"A part of a system is sys[outputs, inputs], two indices, got {key!r}.")
+        rows, columns = (
+            _picked(index, many, kind)
+            for index, many, kind in zip(key, (self.n_outputs, self.n_inputs), ("outputs", "inputs"), strict=True)
+        )
+        return replace(
+            self,
+            B1=self.B1[:, columns], C1=self.C1[rows], D11=self.D11[rows][:, columns], D12=self.D12[rows],
+            D21=self.D21[:, columns], input_names=tuple(self.input_names[columns]),
+            output_names=tuple(self.output_names[rows]),
+        )  # fmt: skip
+
     def feedback(self, other: Operand | None = None, sign: float = -1.0) -> DelayLTI:
         """The loop y = self(v + sign * other(y)), see `flycontrol.delay.interconnect.feedback`."""
         from flycontrol.delay.interconnect import feedback
@@ -193,6 +233,16 @@ class DelayLTI:
         counts = ((self.n_states, "state"), (self.n_inputs, "input"), (self.n_outputs, "output"))
         sizes = ", ".join(f"{many} {noun}" + "s" * (many != 1) for many, noun in counts)
         return f"<DelayLTI {self.name}".rstrip() + f": {sizes}, {_delays_in_words(self.tau)}>"
+
+
+def _picked(index: Any, many: int, kind: str) -> slice:
+    """An index or a slice among so many signals, as a slice."""
+    if isinstance(index, slice):
+        return index
+    if not (isinstance(index, int | np.integer) and -many <= index < many):
+        raise InvalidParameterError(f"There are {many} {kind}, numbered from 0; got {index!r}.")
+    place = int(index) % many
+    return slice(place, place + 1)
 
 
 def _check_names(field: str, names: tuple[str, ...], many: int) -> None:

@@ -46,7 +46,7 @@ class Impulses:
     weights: FloatArray  #: [output s], shape (k, p)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class TimeResponse:
     """A sampled response with the exact ones behind it; where a signal jumps, samples hold the later value."""
 
@@ -57,6 +57,12 @@ class TimeResponse:
     impulses: tuple[Impulses, ...] = ()  #: of an impulse response, one for each trace
     #: the same experiment on the [n/n] Pade approximation, by order; None where a history stands against it
     approximated: Callable[[int], TimeResponse] | None = None
+
+    def __repr__(self) -> str:
+        return (
+            f"<TimeResponse: outputs {self.outputs.shape}, states {self.states.shape} at {len(self.time)} times over "
+            f"0..{self.time[-1]:.4g} s>"
+        )
 
     def plot(self, **options: Any) -> AxesArray:
         """Draw it; options and return value as in `time_response_plot`."""

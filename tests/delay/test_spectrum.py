@@ -1,3 +1,4 @@
+import control
 import mpmath
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from random_systems import drawn_alike, random_system, random_systems
 from scipy.optimize import brentq
 from scipy.special import lambertw
 
-from flycontrol.delay.interconnect import append
+from flycontrol.delay.interconnect import append, delay, feedback
 from flycontrol.delay.spectrum import rightmost_roots
 from flycontrol.delay.system import DelayLTI, delay_lti
 
@@ -179,3 +180,23 @@ def test_two_delays_in_series_around_a_loop_have_the_roots_of_one_delay_of_their
     )  # fmt: skip
     whole = pd_closed(1.0, 10.0, 0.0, 0.15)
     np.testing.assert_allclose(rightmost_roots(split, 6).roots, rightmost_roots(whole, 6).roots, rtol=1e-10)
+
+
+@pytest.mark.slow
+def test_a_loop_whose_roots_are_out_of_reach_has_no_abscissa_rather_than_a_stable_one():
+    """The gain of 1e50 puts roots where no count can be afforded."""
+    found = rightmost_roots(feedback(control.tf([1e50], [1.0, 1.0]) * delay(1.0)), 3)
+    assert not found.certified
+    assert np.isnan(found.abscissa)
+
+
+@pytest.mark.slow
+def test_no_more_roots_are_returned_than_asked_for_but_for_a_conjugate():
+    found = rightmost_roots(feedback(control.tf([2.0], [1.0, 1.0]) * delay(1e6)), 8)
+    assert len(found.roots) <= 9
+    assert found.certified == found.status.startswith("certified")
+
+
+def test_certified_is_what_the_status_says():
+    assert rightmost_roots(delay(0.3) * control.tf([1.0], [1.0, 1.0]), 1).certified
+    assert not rightmost_roots(feedback(delay(0.3) * control.tf([1.0], [1.0, 1.0])), 1, certify=False).certified

@@ -3,7 +3,10 @@ import pytest
 from hypothesis import given
 from random_systems import drawn_alike, random_points, random_system, random_systems
 
+from flycontrol.delay.signals import named
+from flycontrol.delay.spectrum import rightmost_roots
 from flycontrol.delay.system import characteristic_matrix, delay_lti, is_retarded
+from flycontrol.delay.timeresponse import step_response
 from flycontrol.errors import InvalidParameterError
 
 
@@ -77,3 +80,29 @@ def test_blocks_that_fit_no_system_are_refused_by_name_and_shape(blocks, sentenc
 def test_blocks_cannot_be_changed_after_the_fact():
     with pytest.raises(ValueError, match="read-only"):
         random_system(1).A[0, 0] = 1.0
+
+
+def test_a_part_of_a_system_is_that_entry_of_its_transfer_matrix():
+    system = named(random_system(5, inputs=2, outputs=3), inputs=["a", "b"], outputs=["x", "y", "z"])
+    s = random_points(6)
+    for i in range(3):
+        for j in range(2):
+            np.testing.assert_allclose(system[i, j](s)[:, 0, 0], system(s)[:, i, j], rtol=1e-12, atol=1e-13)
+    part = system[1:, -1]
+    np.testing.assert_allclose(part(s), system(s)[:, 1:, 1:], rtol=1e-12, atol=1e-13)
+    assert (part.input_names, part.output_names) == (("b",), ("y", "z"))
+    for key in ((3, 0), (0, 2), 0, (0, "a")):
+        with pytest.raises(InvalidParameterError, match=r"numbered from 0|sys\[outputs, inputs\]"):
+            system[key]
+
+
+def test_poles_are_the_rightmost_roots():
+    system = random_system(3)
+    np.testing.assert_array_equal(system.poles(4), rightmost_roots(system, 4).roots)
+
+
+def test_long_results_have_short_reprs():
+    system = random_system(3)
+    stepped = step_response(system, 1.0)
+    for shown in (stepped, stepped.exact[0]):
+        assert len(repr(shown)) < 150
