@@ -17,6 +17,7 @@ from flycontrol.errors import InvalidParameterError
 
 LARGEST_DEGREE = 9  # what collocation at ten nodes takes in exactly
 _MOST_PIECES = 4096
+_SHORTEST = 1e-9  # of the range: a kink looks smooth once its pieces are small enough to hide it in rounding
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -152,7 +153,7 @@ def fitted(function: Callable[[float], ArrayLike], breaks: Sequence[float] | Flo
         series = (to_series @ values).T
         if np.abs(series[:, -2:]).max(initial=0.0) <= 1e-14 * scale:
             done.append((a, b - a, series))
-        elif len(todo) + len(done) >= _MOST_PIECES or b - a <= 1e-12 * (marks[-1] - marks[0]):
+        elif len(todo) + len(done) >= _MOST_PIECES or b - a <= _SHORTEST * (marks[-1] - marks[0]):
             raise InvalidParameterError(
                 f"The function is not smooth near {a:g} s; give that time in `breaks` if it has a kink or a jump there."
             )

@@ -10,6 +10,7 @@ from flycontrol.delay import (
     delay,
     delay_lti,
     feedback,
+    fitted,
     forced_response,
     frequency_response,
     initial_response,
@@ -146,6 +147,10 @@ OF_THE_WRONG_KIND = [
     (lambda: initial_response(CLOSED, 1.0, history=[1, 2]), r"history.*must be a function, got \[1, 2\]"),
     (lambda: initial_response(CLOSED, 6.0), "needs an initial state or a history"),
     (lambda: forced_response(LATE, TIMES, np.sin), r"got a function; hand it over as fitted\(function, \[0, end\]\)"),
+    (
+        lambda: fitted(lambda t: [abs(t - 1 / 3)], [0.0, 1.0]),
+        r"not smooth near 0\.333333 s; give that time in `breaks`",
+    ),
     (lambda: pd_boundary(1.0, 1.0, [np.nan]), r"b = 1, T = 1 and omega = \[nan\]"),
     (lambda: TWO / 0, "Division by zero"),
     (lambda: TWO / np.zeros((2, 2)), "Division by zero"),
