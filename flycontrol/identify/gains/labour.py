@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from flycontrol.jobs.checkpoint import Checkpoint
 from flycontrol.jobs.packed import Result
@@ -23,6 +23,13 @@ class Labour:
     def done(self, work: Work) -> list[Result]:
         """The results of all items."""
         return seeded_map(work, self.workers, self.checkpoint, self.progress)
+
+    def on(self, part: str) -> Labour:
+        """The same for one of several jobs, its finished parts kept in a folder of their own."""
+        kept = self.checkpoint
+        if kept is None:
+            return self
+        return replace(self, checkpoint=Checkpoint(kept.folder / part, f"{kept.identity} {part}"))
 
 
 HERE = Labour()  #: in this process, nothing kept

@@ -150,7 +150,7 @@ def _held(
         return [blocks_left_out(fit, noise, validation.block, validation.folds) for fit in found]
     held: list[Held] = []
     for fit in found:
-        predictions = leave_one_out(fit, noise=noise, labour=labour)
+        predictions = leave_one_out(fit, noise=noise, labour=labour.on(fit.controller))
         squares = sum(p.error**2 * p.samples for p in predictions) / sum(p.samples for p in predictions)
         held.append(Held(np.array([p.score for p in predictions]), float(np.sqrt(squares))))
     return held

@@ -10,9 +10,11 @@ import scipy.stats
 from flycontrol.errors import InvalidInputError, InvalidParameterError
 from flycontrol.identify.gains.blocks import blocks_left_out
 from flycontrol.identify.gains.fit import fit_gains
+from flycontrol.identify.gains.labour import Labour
 from flycontrol.identify.gains.model import gain_model
 from flycontrol.identify.gains.response import yaw_response
 from flycontrol.identify.gains.selection import Validation, compare_controllers
+from flycontrol.jobs.checkpoint import Checkpoint
 from flycontrol.model.trial import Pulse, Trial
 from flycontrol.units import deg
 
@@ -120,3 +122,11 @@ def test_a_comparison_that_compares_nothing_is_refused():
         compare_controllers([recorded(0)], model_of(FLY), ("P", "PD"), noise="white", validation=Validation(block=0.05))
     with pytest.raises(InvalidParameterError, match=r"block must be > 0 s"):
         Validation(block=-1.0)
+
+
+def test_jobs_of_one_comparison_keep_their_finished_parts_apart(tmp_path):
+    kept = Labour(checkpoint=Checkpoint(tmp_path, "these recordings"))
+    P, PD = kept.on("P").checkpoint, kept.on("PD").checkpoint
+    assert P.folder != PD.folder
+    assert P.identity != PD.identity
+    assert Labour().on("P").checkpoint is None
