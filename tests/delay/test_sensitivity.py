@@ -123,7 +123,7 @@ def test_the_disk_of_skew_one_is_the_modulus_margin_and_that_of_minus_one_the_pe
 
 
 def test_an_unstable_loop_has_no_disk_margin_and_no_peaks():
-    with pytest.raises(UnstableSystemError, match="no norm"):
+    with pytest.raises(UnstableSystemError, match="no disk margin"):
         disk_margins(pd_open(T=0.035))
     with pytest.raises(UnstableSystemError, match="no norm"):
         gangof4(pd_open(T=0.035), 1.0).peaks()

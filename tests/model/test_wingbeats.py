@@ -88,5 +88,5 @@ def test_still_wings_and_degrees_called_radians_are_refused():
 
 
 def test_a_recording_without_wings_is_refused():
-    with pytest.raises(InvalidInputError, match="both wings are needed"):
+    with pytest.raises(InvalidInputError, match="needs stroke, deviation and pitch of both wings"):
         segment_wingbeats(Recording(name="n", rate=RATE, time=np.arange(100) / RATE, source_sha256=""))
