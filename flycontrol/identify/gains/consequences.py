@@ -15,13 +15,12 @@ from flycontrol.delay.response import collocation_rule
 from flycontrol.delay.spectrum import rightmost_roots
 from flycontrol.errors import InvalidParameterError
 from flycontrol.identify.gains.bootstrap import Bootstrap
+from flycontrol.identify.gains.drawn_loops import drawn_loops, loops_of, yaw_loops
 from flycontrol.identify.gains.result import FitResult
 from flycontrol.model import kernels
 from flycontrol.model.gains import PulseTask, gain_crossover, largest_stable_delay, modulus_margins
-from flycontrol.model.yaw import YawLoop
 
 FloatArray = NDArray[np.float64]
-_SHARED = ("damping", "kp", "kd", "delay")
 _QUANTITIES = ("gain_margin", "phase_margin", "delay_margin", "modulus_margin", "recovery_time", "abscissa")
 
 
@@ -72,14 +71,10 @@ def consequences(
 
     Raises
     ------
-    InvalidParameterError
-        If the fit is not P or PD, or the covariance of its shared unknowns is not finite.
+    InvalidInputError, InvalidParameterError
+        As of `drawn_loops`.
     """
-    if found.value("ki"):
-        raise InvalidParameterError(
-            "Margins of a YawLoop need P or PD on the yaw angle; this fit has an integral term."
-        )
-    loops = _drawn(found, draws, seed) if boot is None else _of(found, boot.draws - found.uncertainty.bias)
+    loops = drawn_loops(found, draws, seed) if boot is None else loops_of(found, boot.draws - found.uncertainty.bias)
     b, kp, kd, T = loops.T
     stable = _stable(loops)
     gains = np.full((len(loops), 3), np.nan)
@@ -88,49 +83,16 @@ def consequences(
     for i in np.flatnonzero(stable):
         modulus[i] = modulus_margins(b[i], kp[i : i + 1], kd[i : i + 1], T[i])[0]
         recovery[i] = _recovery(loops[i], task)
+    abscissa = np.array([rightmost_roots(loop.closed_loop(), 1).abscissa for loop in yaw_loops(loops)])
     return Consequences(
         loops=loops, gain_margin=gains[:, 0], phase_margin=gains[:, 1], delay_margin=gains[:, 2],
-        modulus_margin=modulus, recovery_time=recovery, abscissa=np.array([_abscissa(loop) for loop in loops]),
+        modulus_margin=modulus, recovery_time=recovery, abscissa=abscissa,
         unstable=float(1 - stable.mean()),
     )  # fmt: skip
 
 
-def _drawn(found: FitResult, draws: int, seed: int) -> FloatArray:
-    """Student's t with the fit's covariance and the smallest of its degrees of freedom, inside the bounds."""
-    kinds = found.problem.kinds
-    places = [i for i, kind in enumerate(kinds) if kind in _SHARED]
-    C = found.covariance[np.ix_(places, places)]
-    if not np.isfinite(C).all():
-        raise InvalidParameterError(
-            f"The covariance of this fit is not finite ({found.status}); carry a bootstrap into the loop instead."
-        )
-    rng = np.random.default_rng(seed)
-    values, vectors = np.linalg.eigh(C / np.sqrt(np.outer(np.diag(C), np.diag(C))))
-    root = vectors * np.sqrt(np.maximum(values, 0.0)) * np.sqrt(np.diag(C))[:, None]
-    freedom = float(found.uncertainty.freedom[places].min())
-    wide = np.sqrt(freedom / rng.chisquare(freedom, draws))
-    x = np.tile([e.value for e in found.estimates], (draws, 1))
-    x[:, places] += (rng.standard_normal((draws, len(places))) * wide[:, None]) @ root.T
-    return _of(found, x)
-
-
-def _of(found: FitResult, x: FloatArray) -> FloatArray:
-    """Damping, kp, kd and delay (b, 4) of vectors of unknowns (b, k), inside the bounds."""
-    x = np.clip(x, found.problem.low, found.problem.high)
-    columns = [
-        x[:, found.problem.kinds.index(kind)] if kind in found.problem.kinds else np.full(len(x), found.value(kind))
-        for kind in _SHARED
-    ]
-    return np.column_stack(columns)
-
-
 def _stable(loops: FloatArray) -> NDArray[np.bool_]:
     return np.array([p > 0 and b + d > 0 and largest_stable_delay(b, p, d) > T for b, p, d, T in loops])
-
-
-def _loop(values: FloatArray) -> YawLoop:
-    b, kp, kd, delay = values.tolist()
-    return YawLoop.from_rates(b=b, kp=kp, kd=kd, delay=delay)
 
 
 def pd_margins(loops: FloatArray) -> FloatArray:
@@ -155,10 +117,6 @@ def pd_margins(loops: FloatArray) -> FloatArray:
         low, high = np.where(below, middle, low), np.where(below, high, middle)
     gain = high * np.hypot(high, b) / np.hypot(kp, kd * high)
     return np.column_stack([gain[:, 0], wc * room, room])
-
-
-def _abscissa(values: FloatArray) -> float:
-    return float(rightmost_roots(_loop(values).closed_loop(), 1).abscissa)
 
 
 def _recovery(values: FloatArray, task: PulseTask) -> float:

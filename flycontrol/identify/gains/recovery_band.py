@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flycontrol.errors import InvalidInputError, InvalidParameterError, UnstableSystemError
+from flycontrol.identify.gains.drawn_loops import drawn_loops, yaw_loops
 from flycontrol.identify.gains.problem import FitProblem
 from flycontrol.identify.gains.recoveries import MeasuredRecovery, measured_recoveries
 from flycontrol.identify.gains.response import Drive
@@ -21,7 +22,6 @@ from flycontrol.model.yaw import YawLoop
 from flycontrol.units import deg, ms
 
 FloatArray = NDArray[np.float64]
-_LOOP = ("damping", "kp", "kd", "delay")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -72,12 +72,13 @@ def recovery_band(
     wanted = np.atleast_1d(np.asarray(peaks, dtype=np.float64))
     if not (np.all(wanted > 0) and np.all(np.isfinite(wanted)) and tolerance > 0):
         raise InvalidParameterError(f"Peaks and tolerance must be > 0 rad, got {wanted.tolist()!r} and {tolerance!r}.")
-    loops, duration = drawn_loops(found, draws, seed), pulse_width(found.problem)
+    loops, duration = yaw_loops(drawn_loops(found, draws, seed)), pulse_width(found.problem)
     best = _times(found.loop(), duration, wanted, tolerance)
     if not np.all(np.isfinite(best)):
         raise InvalidInputError("The fitted loop is unstable, so it never recovers; doubt the fit before its band.")
     every = np.array([_times(each, duration, wanted, tolerance) for each in loops])
-    low, high = np.quantile(every, [(1 - level) / 2, (1 + level) / 2], axis=0, method="inverted_cdf")
+    rank = max(int((draws + 1) * (1 - level) / 2), 1)  # rounded outwards, so that few draws do not narrow the band
+    low, high = np.sort(every, axis=0)[[rank - 1, draws - rank]]
     return RecoveryBand(
         peaks=wanted, times=best, low=low, high=high, level=level, draws=draws,
         unstable=int(np.isinf(every[:, 0]).sum()), duration=duration, tolerance=tolerance, seed=seed,
@@ -107,38 +108,6 @@ def recovery_against_strength(
     return RecoveryAgainstStrength(
         measured=measured, band=band, expected=expected, agreeing=agreeing, sentence=_sentence(measured, agreeing)
     )
-
-
-def drawn_loops(found: FitResult, draws: int, seed: int) -> list[YawLoop]:
-    """Loops (draws,) from Student's distribution with the fit's covariance, inside the bounds.
-
-    Raises
-    ------
-    InvalidInputError
-        If a gain, the delay or the damping is not determined, or not shared by all recordings.
-    """
-    apart = [name for name in _LOOP if name in found.problem.kinds and name not in found.problem.names]
-    if apart:
-        raise InvalidInputError(
-            f"The recordings do not share {' and '.join(apart)}; ask for the band of one fly alone."
-        )
-    values = {name: found.value(name) for name in _LOOP if name not in found.problem.names}
-    asked = [name for name in _LOOP if name in found.problem.names]
-    places = [found.problem.names.index(name) for name in asked]
-    if found.value("ki"):
-        raise InvalidParameterError("A band of recovery times is for P or PD; this fit has an integral term.")
-    C = found.covariance[np.ix_(places, places)]
-    lost = [name for name, variance in zip(asked, np.diag(C), strict=True) if not np.isfinite(variance)]
-    if lost:
-        raise InvalidInputError(f"{' and '.join(lost)} is not determined by this fit; fix it to predict a band.")
-    rng = np.random.default_rng(seed)
-    normal = rng.multivariate_normal(np.zeros(len(asked)), C, draws, method="eigh")
-    freedom = max(float(np.median(found.uncertainty.freedom[places])), 1.0) if places else 1.0
-    stretch = np.sqrt(freedom / rng.chisquare(freedom, draws))[:, None]
-    centre = np.array([found[name].value for name in asked])
-    drawn = np.clip(centre + stretch * normal, found.problem.low[places], found.problem.high[places])
-    named = [values | dict(zip(asked, row.tolist(), strict=True)) for row in drawn]
-    return [YawLoop.from_rates(b=v["damping"], kp=v["kp"], kd=v["kd"], delay=v["delay"]) for v in named]
 
 
 def pulse_width(problem: FitProblem) -> float:
