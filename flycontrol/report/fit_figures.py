@@ -16,8 +16,9 @@ from flycontrol.report.figures.fit_paddling import paddling_angles
 from flycontrol.report.figures.fit_profiles import likelihood_profiles
 from flycontrol.report.figures.fit_recordings import fitted_recordings
 from flycontrol.report.figures.fit_residuals import residuals
+from flycontrol.report.figures.fit_ridge import deviance_ridge
 from flycontrol.report.figures.fit_strength import recovery_points
-from flycontrol.report.fit_words import digits_for
+from flycontrol.report.fit_words import digits_for, ridge_words
 from flycontrol.report.numbers import fixed
 from flycontrol.report.page_figures import PageFigure
 from flycontrol.report.style import svg
@@ -33,6 +34,7 @@ def fit_figures(study: FitStudy) -> dict[str, PageFigure]:
         _recordings(study),
         _residuals(study),
         _profiles(study),
+        _ridge(study),
         _cloud(study),
         _group(study.flies, study, "flies"),
         _group(study.single, study, "single"),
@@ -122,6 +124,13 @@ def _profiles(study: FitStudy) -> PageFigure | None:
     )
     figure = likelihood_profiles(study.profiles, estimates)
     return _page_figure("profiles", figure, "Profile likelihoods", caption)
+
+
+def _ridge(study: FitStudy) -> PageFigure | None:
+    found = study.ridge
+    if found is None:
+        return None
+    return _page_figure("ridge", deviance_ridge(found), "What the data cannot tell apart", ridge_words(found))
 
 
 def _cloud(study: FitStudy) -> PageFigure | None:

@@ -28,7 +28,7 @@ from flycontrol.report.page import template_environment, the_css
 from flycontrol.report.provenance import Provenance
 
 _MADE_WITH = ("flycontrol", "numpy", "scipy", "numba", "matplotlib")
-FIGURES = ("recordings", "residuals", "profiles", "cloud", "strength", "flies", "single", "paddling")
+FIGURES = ("recordings", "residuals", "profiles", "ridge", "cloud", "strength", "flies", "single", "paddling")
 #: Fields of `Parameters` that a fit replaces.
 _FITTED = {"proportional_gain": "kp", "derivative_gain": "kd", "delay": "delay"}
 

@@ -11,6 +11,7 @@ from flycontrol.identify.gains.bootstrap import Bootstrap
 from flycontrol.identify.gains.consequences import Consequences
 from flycontrol.identify.gains.profile import Profile
 from flycontrol.identify.gains.recovery_band import RecoveryAgainstStrength
+from flycontrol.identify.gains.ridge import Ridge
 from flycontrol.identify.gains.selection import ControllerComparison
 from flycontrol.identify.gains.study import FitStudy, Group
 from flycontrol.report.fit_tables import group_sentences
@@ -26,6 +27,7 @@ def surroundings(study: FitStudy) -> dict[str, Any]:
         "flies": None if study.flies is None else _group(study.flies),
         "recordings_alone": None if study.single is None else _group(study.single),
         "trade_offs": [each.sentence for each in study.trade_offs],
+        "ridge": None if study.ridge is None else _ridge(study.ridge),
         "predictions": [
             {"trial": p.trial, "error_deg": p.error / deg, "noise_deg": p.noise / deg, "in_noise": p.in_noise}
             for p in study.predictions
@@ -41,6 +43,18 @@ def _profile(profile: Profile) -> dict[str, Any]:
         "values": profile.values.tolist(),
         "deviance": profile.deviance.tolist(),
         "threshold": profile.threshold,
+    }
+
+
+def _ridge(found: Ridge) -> dict[str, Any]:
+    return {
+        "names": list(found.names),
+        "units": list(found.units),
+        "first": found.first.tolist(),
+        "second": found.second.tolist(),
+        "deviance": found.deviance.tolist(),
+        "threshold": found.threshold,
+        "open_ends": list(found.open_ends),
     }
 
 

@@ -5,7 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from flycontrol.identify.gains.result import Estimate, FitResult
+from flycontrol.identify.gains.ridge import Ridge
 from flycontrol.identify.gains.study import FitStudy
 from flycontrol.report.numbers import ABSENT, fixed
 from flycontrol.units import deg, ms
@@ -26,6 +29,7 @@ KINDS: dict[str, tuple[str, str, str, float]] = {
     "paddling_gain": ("paddling torque an angle over inertia", "γ/<i>I</i>", "1000/s² per rad", 1e3),
 }
 _DIFFERENT = 0.01  #: p of the homogeneity test under which pooled intervals need a word
+_MOST_OF_IT = 0.5  #: share of a ridge's window from which there is no valley in it
 OF_THE_LOOP = ("kp", "kd", "ki", "delay", "damping", "limit", "paddling_gain")
 
 
@@ -131,3 +135,25 @@ def paper_table(study: FitStudy) -> str:
         f"positive, fitted to {len(trials)} recordings of {len(flies)} flies. Status: {result.status}"
     )
     return "\n".join([*lines, "", " ".join([foot, differing_flies(study)]).strip()]) + "\n"
+
+
+def ridge_words(ridge: Ridge) -> str:
+    """What a ridge shows, in sentences without markup."""
+    (one, other), inside = ridge.names, ridge.inside
+    ends = []
+    for name, axis, held in ((one, ridge.first, inside.any(axis=1)), (other, ridge.second, inside.any(axis=0))):
+        words, _, unit, size = KINDS[name]
+        reached = axis[held] / size
+        step = float(axis[1] - axis[0]) / size
+        digits = digits_for(step, float(np.abs(reached).max()))
+        ends.append(f"{words} from {fixed(float(reached[0]), digits)} to {fixed(float(reached[-1]), digits, unit)}")
+    further = [
+        f"{'smaller' if side.endswith('down') else 'larger'} {KINDS[side.split()[0]][0]}" for side in ridge.open_ends
+    ]
+    edge = f" It goes on beyond the window, towards {' and '.join(further)}." if further else ""
+    together = ", as long as both move together" if inside.mean() < _MOST_OF_IT else ": almost any pair will do"
+    return (
+        "Shaded: the least deviance over two unknowns, all others fitted again at each point; line: the threshold that "
+        "an interval ends at; black dots: the floor of the valley; red square: the estimate. Right: the floor’s depth. "
+        f"The data go along with {ends[0]} and {ends[1]}{together}.{edge}"
+    )

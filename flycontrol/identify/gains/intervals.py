@@ -87,7 +87,7 @@ def _bends(weighted: WeightedProblem, minimum: Minimum, uncertainty: LocalUncert
         if ((x < problem.low) | (x > problem.high)).any():
             return True
         if _is_bent(weighted.cost(x) - minimum.at.cost, t):
-            ridge = minimise(weighted, x, most_steps=_RIDGE_STEPS, scale=1.0, fixed=i)
+            ridge = minimise(weighted, x, most_steps=_RIDGE_STEPS, scale=1.0, fixed=(i,))
             if _is_bent(ridge.at.cost - minimum.at.cost, t):
                 return True
     return False

@@ -122,7 +122,7 @@ def minimise(
     most_steps: int = 60,
     scale: float | None = None,
     close: float = _CLOSE,
-    fixed: int | None = None,
+    fixed: Sequence[int] = (),
 ) -> Minimum:
     """Search from x (k,).
 
@@ -133,7 +133,7 @@ def minimise(
     close
         Newton decrement, in units of that variance, at which the search ends.
     fixed
-        Index of an unknown that stays where it is.
+        Indices of unknowns that stay where they are.
     """
     problem = weighted.problem
     low, high = problem.low, problem.high
@@ -168,11 +168,10 @@ def minimise(
     return Minimum(x, at, False, (x <= low) | (x >= high), most_steps)
 
 
-def _free(problem: FitProblem, x: FloatArray, gradient: FloatArray, fixed: int | None) -> NDArray[np.bool_]:
+def _free(problem: FitProblem, x: FloatArray, gradient: FloatArray, fixed: Sequence[int]) -> NDArray[np.bool_]:
     """Unknowns (k,) that a step may change: not fixed, not pushed outwards at a bound."""
     free = ~(((x <= problem.low) & (gradient > 0)) | ((x >= problem.high) & (gradient < 0)))
-    if fixed is not None:
-        free[fixed] = False
+    free[list(fixed)] = False
     return free
 
 

@@ -220,7 +220,7 @@ class _Walk:
         v = self.start + self.sign * distance
         x = self.x + self.direction * (v - self.x[self.i])
         x[self.i] = v
-        found = minimise(self.weighted, x, most_steps=_MOST_STEPS, scale=1.0, close=_CLOSE, fixed=self.i)
+        found = minimise(self.weighted, x, most_steps=_MOST_STEPS, scale=1.0, close=_CLOSE, fixed=(self.i,))
         self.misses += not found.converged
         return found if found.converged else None
 

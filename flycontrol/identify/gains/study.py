@@ -25,6 +25,7 @@ from flycontrol.identify.gains.random_effects import RandomEffects, random_effec
 from flycontrol.identify.gains.recording_fits import RecordingFit, recording_fits
 from flycontrol.identify.gains.recovery_band import RecoveryAgainstStrength, recovery_against_strength
 from flycontrol.identify.gains.result import FitResult
+from flycontrol.identify.gains.ridge import Ridge, blind_pair, ridge
 from flycontrol.identify.gains.selection import ControllerComparison, Validation, compare_controllers
 from flycontrol.identify.gains.stages import Stages, identity_of
 from flycontrol.identify.gains.uncertainty import LocalUncertainty
@@ -38,6 +39,7 @@ from flycontrol.units import deg, ms
 
 _NOMINAL = PulseTask(duration=4.5 * ms, peak=20 * deg, tolerance=2 * deg)
 _DRAWS = 400  #: loops from the estimates' distribution
+_MOST_FOR_A_RIDGE = 4  #: recordings, since each point of it is a fit to all
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -67,6 +69,7 @@ class FitStudy:
     consequences: Consequences | None  #: of the intervals for margins, poles and recovery
     plane: GainPlane | None  #: all gains at the fitted damping and delay
     trade_offs: tuple[TradeOff, ...]  #: strongest first
+    ridge: Ridge | None  #: where the data cannot tell two unknowns apart; None where they can
     seed: int
     absent: Mapping[str, str] = field(default_factory=dict[str, str])  #: sentences by part
 
@@ -139,6 +142,7 @@ class _Study:
             consequences=self._consequences(result),
             plane=self._plane(result),
             trade_offs=trade_offs(result) if result.converged else (),
+            ridge=self._ridge(result),
             seed=options.seed,
             absent=self.absent,
         )
@@ -230,6 +234,18 @@ class _Study:
         except FlycontrolError as error:
             self.absent["consequences"] = str(error)
             return None
+
+    def _ridge(self, result: FitResult) -> Ridge | None:
+        pair = blind_pair(result.weighted, result.minimum)
+        if pair is None or not result.status.startswith("not identifiable"):
+            return None
+        if len(self.trials) > _MOST_FOR_A_RIDGE:
+            self.absent["ridge"] = (
+                f"What the data cannot tell apart is drawn for at most {_MOST_FOR_A_RIDGE} recordings; fit some alone."
+            )
+            return None
+        one, other = (profile(result.weighted, result.minimum, result.uncertainty, name, result.level) for name in pair)
+        return ridge(result.weighted, result.minimum, (one, other), labour=self.stages.labour("ridge", self.identity))
 
     def _has_one_loop(self, result: FitResult) -> bool:
         return self.pooled and result.converged and result.controller in ("P", "PD")

@@ -30,7 +30,7 @@ def deviance_at(found, name, value):
     for start in (found.minimum.x, *found.profile(name).ridge[[0, -1]]):
         x = start.copy()
         x[i] = value
-        best = min(best, minimise(found.weighted, x, most_steps=200, scale=1.0, fixed=i).at.cost)
+        best = min(best, minimise(found.weighted, x, most_steps=200, scale=1.0, fixed=(i,)).at.cost)
     return best - found.minimum.at.cost
 
 
