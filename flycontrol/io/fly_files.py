@@ -7,68 +7,52 @@ from functools import cache
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-from pydantic import BeforeValidator, Field
+from pydantic import Field
 
 from flycontrol.errors import InvalidInputError
+from flycontrol.io.entries import Entry, QuantityEntry
 from flycontrol.io.text_files import text_file
 from flycontrol.io.toml_files import Table, TomlFile, parse_toml, read_toml_file, structured
-from flycontrol.model.parameters import Certainty
 
 DEFAULT = "fly"
 _SECTIONS = ("fly", "controller", "pulse", "damping_range")  #: those that a user's file need not complete
 
 
-class Entry(Table):
-    """A quantity as a file writes it: `delay = "12 ms"`, or a table with its source, certainty and note."""
-
-    value: Any
-    source: str = ""
-    certainty: Certainty = "user"
-    note: str = ""
-
-
-def _as_entry(written: object) -> object:
-    return written if isinstance(written, dict) else {"value": written}
-
-
-_Quantity = Annotated[Entry, BeforeValidator(_as_entry)]
-
-
 class _Fly(Table):
     name: str = Field(min_length=1, max_length=100)
-    inertia: _Quantity
-    damping: _Quantity
-    wingbeat_frequency: _Quantity
+    inertia: QuantityEntry
+    damping: QuantityEntry
+    wingbeat_frequency: QuantityEntry
 
 
 class _Controller(Table):
-    proportional_gain: _Quantity
-    derivative_gain: _Quantity
-    delay: _Quantity
+    proportional_gain: QuantityEntry
+    derivative_gain: QuantityEntry
+    delay: QuantityEntry
 
 
 class _Pulse(Table):
-    duration: _Quantity
-    peak: _Quantity
-    tolerance: _Quantity
-    deadline: _Quantity
+    duration: QuantityEntry
+    peak: QuantityEntry
+    tolerance: QuantityEntry
+    deadline: QuantityEntry
 
 
 class _DampingRange(Table):
-    low: _Quantity
-    high: _Quantity
+    low: QuantityEntry
+    high: QuantityEntry
 
 
 class _Morphology(Table):
-    mass: _Quantity
-    wing_length: _Quantity
-    wing_length_over_mean_chord: _Quantity
-    second_moment_radius: _Quantity | None = None
-    right_hinge: _Quantity | None = None
-    stroke_plane_angle: _Quantity | None = None
-    stroke_plane_inertia_over_mgr_per_f2: _Quantity | None = None
+    mass: QuantityEntry
+    wing_length: QuantityEntry
+    wing_length_over_mean_chord: QuantityEntry
+    second_moment_radius: QuantityEntry | None = None
+    right_hinge: QuantityEntry | None = None
+    stroke_plane_angle: QuantityEntry | None = None
+    stroke_plane_inertia_over_mgr_per_f2: QuantityEntry | None = None
 
 
 class FlyFile(Table):

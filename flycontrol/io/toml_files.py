@@ -77,7 +77,8 @@ def structured(model: type[Model], data: dict[str, Any], toml: TomlFile, within:
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        fault = error.errors(include_url=False)[0]
+        faults = error.errors(include_url=False)
+        fault = next((one for one in faults if one["type"] == "extra_forbidden"), faults[0])  # it may be a missing one
         keys = tuple(str(part) for part in fault["loc"])
         whole = (*filter(None, within.split(".")), *keys)
         raise InvalidInputError(f"{toml.where(*whole)}: {_sentence(fault, keys, model, within)}.") from error

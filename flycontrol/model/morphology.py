@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from flycontrol.errors import InvalidParameterError
 from flycontrol.model.planform import ChordTable, Planform
-from flycontrol.model.wing_body import WingBody, thin_plate
+from flycontrol.model.wing_body import WingBody, refuse_beyond_outline, thin_plate
 from flycontrol.units import mg, mm, ug
 
 FloatArray = NDArray[np.float64]
@@ -41,8 +41,8 @@ class Morphology:
     def __post_init__(self) -> None:
         for name in ("mass", "wing_length", "mean_chord"):
             value = getattr(self, name)
-            if not value > 0:  # `not >` also refuses NaN
-                raise InvalidParameterError(f"Morphology.{name} must be > 0, got {value!r}.")
+            if not (value > 0 and np.isfinite(value)):  # `not >` also refuses NaN
+                raise InvalidParameterError(f"Morphology.{name} must be finite and > 0, got {value!r}.")
         if not 0.4 < self.second_moment_radius < 0.8:
             raise InvalidParameterError(
                 "Morphology.second_moment_radius must lie in 0.4..0.8 of the wing length, "
@@ -50,11 +50,15 @@ class Morphology:
             )
         if not 0.0 <= self.pitch_axis <= 1.0:
             raise InvalidParameterError(f"Morphology.pitch_axis must lie in 0..1 chords, got {self.pitch_axis!r}.")
-        if self.wing is not None and not 2 * self.wing.mass < self.mass:
+        _refuse_hinge(self.right_hinge)
+        if not np.isfinite(self.stroke_plane_angle):
             raise InvalidParameterError(
-                f"Two wings of {self.wing.mass!r} kg do not fit into a fly of {self.mass!r} kg; check their units."
+                f"Morphology.stroke_plane_angle must be finite, got {self.stroke_plane_angle!r} rad."
             )
         _refuse_impossible(self.inertia_S)
+        if self.wing is not None:
+            _refuse_heavy_wings(self.wing, self.mass)
+            refuse_beyond_outline(self.wing, self.planform, self.pitch_axis)
 
     @property
     def weight(self) -> float:
@@ -94,7 +98,26 @@ class Morphology:
         return self.inertia[2][2]
 
 
+def _refuse_hinge(right_hinge: Vector) -> None:
+    if not (len(right_hinge) == 3 and np.all(np.isfinite(right_hinge)) and right_hinge[1] >= 0):
+        raise InvalidParameterError(
+            "Morphology.right_hinge must be three finite lengths of which the second, to the right, is >= 0 m, got "
+            f"{right_hinge!r}; is it the left one?"
+        )
+
+
+def _refuse_heavy_wings(wing: WingBody, mass: float) -> None:
+    if not 2 * wing.mass < mass:
+        raise InvalidParameterError(
+            f"Two wings of {wing.mass!r} kg do not fit into a fly of {mass!r} kg; check their units."
+        )
+
+
 def _refuse_impossible(inertia: FloatArray) -> None:
+    if not (inertia.shape == (3, 3) and np.all(np.isfinite(inertia))):
+        raise InvalidParameterError(
+            f"Morphology.inertia must be three rows of three finite numbers, got {inertia.tolist()!r}."
+        )
     if not np.allclose(inertia, inertia.T, rtol=1e-9, atol=0.0):
         raise InvalidParameterError("Morphology.inertia must be a symmetric matrix.")
     low, middle, high = np.linalg.eigvalsh(inertia)

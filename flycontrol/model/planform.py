@@ -32,8 +32,14 @@ class ChordTable:
                 "A chord table needs as many chords as span positions, and positions that rise from 0 at the hinge to "
                 "1 at the tip, in fractions of the wing length."
             )
-        if not (np.all(chord >= 0) and np.any(chord > 0)):
-            raise InvalidParameterError("The chords of a chord table must be >= 0, some of them > 0.")
+        if not (np.all(chord >= 0) and np.any(chord > 0) and np.all(np.isfinite(chord))):
+            raise InvalidParameterError("The chords of a chord table must be finite and >= 0, some of them > 0.")
+
+    def moment_radius(self, degree: int) -> float:
+        """r_k / R, r_k^k = (integral of c r^k dr) / (integral of c dr)."""
+        x, width = _between_rows(self)
+        weight = _table_chord(x, self) * width
+        return float((np.sum(weight * x**degree) / np.sum(weight)) ** (1 / degree))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,6 +60,11 @@ class Planform:
         object.__setattr__(self, "_radius", self.length * x)
         object.__setattr__(self, "_width", self.length * width)
         object.__setattr__(self, "_chord", shape * (self.mean_chord / np.sum(shape * width)))
+
+    @property
+    def largest_chord(self) -> float:
+        """[m]; of a beta distribution without bound, that of the nodes."""
+        return float(np.max(self._chord))
 
     def moment(self, chord_power: int, radius_power: int = 0) -> float:
         """Integral of c^m r^n dr over the span [m^(m + n + 1)]."""

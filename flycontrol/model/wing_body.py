@@ -64,3 +64,27 @@ def thin_plate(planform: Planform, mass: float, pitch_axis: float) -> WingBody:
         normal_inertia=about_span + about_chord,
         product=-density * planform.moment(2, 1) * (x0 - 0.5),
     )
+
+
+def refuse_beyond_outline(wing: WingBody, planform: Planform, pitch_axis: float) -> None:
+    """0 <= s <= R and -(1 - x0) c_max <= c <= x0 c_max hold all mass, so I_ss <= m c^2 and I_cc <= m R^2 at the most.
+
+    Raises
+    ------
+    InvalidParameterError
+        If the mass of the wing must lie outside its outline.
+    """
+    R, m, c_max = planform.length, wing.mass * (1 + _FLAT), planform.largest_chord * (1 + _FLAT)
+    s, c = wing.centre
+    if not (0 <= s <= R * (1 + _FLAT) and -(1 - pitch_axis) * c_max <= c <= pitch_axis * c_max):
+        raise InvalidParameterError(
+            f"The wing's centre of mass, {s:.3g} m along the span and {c:.3g} m before the pitch axis, lies outside "
+            f"the wing, which is {R:.3g} m long and at most {planform.largest_chord:.3g} m wide; check units and signs."
+        )
+    widest = max(pitch_axis, 1 - pitch_axis) * c_max
+    for name, inertia, arm in (("span", wing.span_inertia, widest), ("chord", wing.chord_inertia, R * (1 + _FLAT))):
+        if not inertia <= m * arm**2:
+            raise InvalidParameterError(
+                f"The wing's {name}_inertia of {inertia:.3g} kg m^2 is more than all its mass, {wing.mass:.3g} kg, has "
+                f"at its outermost {arm:.3g} m, {m * arm**2:.3g} kg m^2; check units and axes."
+            )
