@@ -25,7 +25,7 @@ def test_noise_of_what_is_supplied_lowers_correlation_and_one_slope_only():
 
 
 def test_memory_widens_the_interval():
-    """Both series repeat each value five times: as if of a fifth as many, sqrt(5) wider; blocks wrap over half of it."""
+    """Each value stands five times: the interval is that of a fifth as many values."""
     rng = np.random.default_rng(3)
     a, b = (rng.standard_normal(80) for _ in range(2))
     once = agreement([a], [b], block=1).correlation
