@@ -1,5 +1,6 @@
 # make report   set up .venv and write the stability report of the published fly
-# make reports  regenerate every committed example under reports/; flights where their data are
+# make reports  regenerate every committed example under reports/ but coverage and bench; flights where their data are
+# make coverage how often intervals hold the truth, 20,000 fits: ten minutes on two cores; goes on where it was
 # make test     set up .venv and run the fast tests
 # make test-all one pytest run, the slow tests included
 # make fuzz     100,000 malformed files for each reader of text, 20,000 for each of binary files; half an hour or more
@@ -15,7 +16,7 @@ export NUMBA_CACHE_DIR := $(CURDIR)/.cache/numba
 export MPLCONFIGDIR := $(CURDIR)/.cache/matplotlib
 export PIP_CACHE_DIR := $(CURDIR)/.cache/pip
 
-.PHONY: report reports test test-all fuzz check format bench clean
+.PHONY: report reports coverage test test-all fuzz check format bench clean
 
 report: $(VENV)/run.stamp
 	$(BIN)/flycontrol report --out reports/yaw
@@ -30,6 +31,9 @@ reports: report
 	$(BIN)/python analyses/p_or_pd.py
 	for flight in $(FLIGHTS); do $(BIN)/flycontrol report --parameters drosophila_hydei --mapping muijres_freeflight \
 	  --recording $(DATA)/muijres_freeflight/$$flight.txt --out reports/flights/$$flight || exit 1; done
+
+coverage: $(VENV)/run.stamp
+	$(BIN)/python analyses/interval_coverage.py
 
 test: $(VENV)/test.stamp
 	$(BIN)/python -m pytest
