@@ -72,7 +72,7 @@ def pursued_flight(
     drift, effect = _steering_effect(fly, stroke, start)
     if not np.linalg.cond(effect) < 1e4:
         raise InvalidInputError("This fly cannot be steered about all three axes; free its roll, pitch and yaw.")
-    inverse = np.linalg.inv(effect)
+    inverse = np.asarray(np.linalg.inv(effect), dtype=np.float64)
     first = inverse @ (rates_S[1] - rates_S[0] - drift)
     pilot = _Pilot(stroke=stroke, wanted=rates_S, inverse=inverse, steering=np.clip(first, -_LARGEST, _LARGEST))
     return simulate_flight(fly, pilot, len(rates_S) - 1, start=start, settings=settings)
