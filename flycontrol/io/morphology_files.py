@@ -20,6 +20,7 @@ from flycontrol.io.morphology_text import morphology_text
 from flycontrol.io.published_flies import PUBLISHED, published_morphology
 from flycontrol.io.quantities import ANGLE, AREA, INERTIA, LENGTH, MASS, NUMBER
 from flycontrol.io.quantity_reader import QuantityReader
+from flycontrol.io.table_at import folder_of, table_at
 from flycontrol.io.toml_files import TomlFile, read_toml_file, structured
 from flycontrol.model.morphology import Matrix, Morphology, Vector, pitch_rotation
 from flycontrol.model.planform import ChordTable
@@ -67,14 +68,8 @@ def morphology_in(toml: TomlFile, within: str = "", folder: Path | None = None) 
     InvalidInputError
         As `read_morphology`, with file and line.
     """
-    given: Any = toml.data
-    for key in filter(None, within.split(".")):
-        given = given.get(key, {}) if isinstance(given, dict) else given
-    if not isinstance(given, dict):
-        raise InvalidInputError(f"{toml.where(*within.split('.'))}: {within} is {given!r}; a table is needed.")
-    beside = Path(toml.file.name).parent if folder is None else folder
     read = QuantityReader(toml, within)
-    table = structured(MorphologyTable, _completed(cast("dict[str, Any]", given), read, beside), toml, within)
+    table = structured(MorphologyTable, _completed(table_at(toml, within), read, folder_of(toml, folder)), toml, within)
     return SourcedMorphology(
         morphology=_morphology(table, read),
         provenance=read.provenance,

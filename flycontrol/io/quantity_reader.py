@@ -21,11 +21,11 @@ class QuantityReader:
 
     def where(self, key: str) -> str:
         """File and line of a key of the table."""
-        return self.toml.where(*self._full(key).split("."))
+        return self.toml.where(*self.full(key).split("."))
 
     def refusal(self, key: str, what: str) -> InvalidInputError:
         """Return an error that names file, line and key."""
-        return InvalidInputError(f"{self.where(key)}: {self._full(key)} {what}.")
+        return InvalidInputError(f"{self.where(key)}: {self.full(key)} {what}.")
 
     def number(self, entry: Entry, kind: Kind, key: str, plausible: tuple[str, str] | None = None) -> float:
         """Read a quantity [SI unit of its kind], which must lie within the plausible where that is known."""
@@ -69,7 +69,7 @@ class QuantityReader:
 
     def _si(self, written: object, kind: Kind, key: str) -> float:
         if kind is not NUMBER:
-            return read_quantity(written, kind, key=self._full(key), where=self.where(key)).value
+            return read_quantity(written, kind, key=self.full(key), where=self.where(key)).value
         if isinstance(written, bool) or not isinstance(written, int | float) or not abs(written) < float("inf"):
             raise self.refusal(key, f"is {written!r}; a finite number without unit such as {kind.example} is needed")
         return float(written)
@@ -81,5 +81,6 @@ class QuantityReader:
         except FlycontrolError as error:
             raise self.refusal(key, f"has a source that is unknown: {str(error).removesuffix('.')}") from error
 
-    def _full(self, key: str) -> str:
+    def full(self, key: str) -> str:
+        """Dotted name of a key of the table."""
         return f"{self.within}.{key}" if self.within else key

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -16,7 +17,7 @@ from pydantic_core import ErrorDetails
 from flycontrol.errors import InvalidInputError
 from flycontrol.io.text_files import TextFile, read_text_file
 
-_ASSIGNMENT = re.compile(r"\s*(?:\[+\s*(?P<table>[^\]#]+?)\s*\]|(?P<key>[\w.\"' -]+?)\s*=)")
+_ASSIGNMENT = re.compile(r"\s*(?:(?P<brackets>\[+)\s*(?P<table>[^\]#]+?)\s*\]|(?P<key>[\w.\"' -]+?)\s*=)")
 
 
 class Table(BaseModel):
@@ -42,11 +43,16 @@ class TomlFile:
 
     def _key_lines(self) -> Iterator[tuple[int, tuple[str, ...]]]:
         table: tuple[str, ...] = ()
+        counts: Counter[tuple[str, ...]] = Counter()
         for number, line in enumerate(self.file.text.splitlines(), start=1):
             found = _ASSIGNMENT.match(line)
             if found and found["table"]:
                 table = _path(found["table"])
                 yield number, table
+                if len(found["brackets"]) == 2:  # one of an array of tables: its keys are under its number
+                    counts[table] += 1
+                    table = (*table, str(counts[table] - 1))
+                    yield number, table
             elif found:
                 yield number, table + _path(found["key"])
 

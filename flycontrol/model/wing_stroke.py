@@ -188,6 +188,13 @@ class ModulatedStroke:
     after: Modulation = Modulation()
     ramp: tuple[float, float] = (0.0, 1.0)  #: from where to where on the phase it passes [wingbeats]
 
+    def __post_init__(self) -> None:
+        start, end = self.ramp
+        if not (np.isfinite(start) and np.isfinite(end) and start < end):
+            raise InvalidParameterError(
+                f"ModulatedStroke.ramp must end after it starts, both in wingbeats, got {self.ramp!r}."
+            )
+
     @property
     def periodic(self) -> bool:
         """Whether every wingbeat is like the first."""
