@@ -29,6 +29,7 @@ reports: report
 	$(BIN)/python analyses/nominal_gains.py
 	$(BIN)/python analyses/pade_or_exact.py
 	$(BIN)/python analyses/p_or_pd.py
+	$(BIN)/python analyses/flutter_or_tumble.py
 	for flight in $(FLIGHTS); do $(BIN)/flycontrol report --parameters drosophila_hydei --mapping muijres_freeflight \
 	  --recording $(DATA)/muijres_freeflight/$$flight.txt --out reports/flights/$$flight || exit 1; done
 
