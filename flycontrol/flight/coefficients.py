@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from flycontrol.units import deg
 
 FloatArray = NDArray[np.float64]
-CoefficientName = Literal["dickinson1999", "wang2004"]
+CoefficientName = Literal["dickinson1999", "wang2004", "whitney2010"]
 
 
 class LiftDrag(NamedTuple):
@@ -38,7 +38,16 @@ def wang2004(attack: FloatArray) -> LiftDrag:
     return LiftDrag(lift=1.2 * np.sin(2 * attack), drag=1.4 - np.cos(2 * attack))
 
 
+def whitney2010(attack: FloatArray) -> LiftDrag:
+    """C_L = 1.8 sin 2a, C_D = 1.9 - 1.5 cos 2a.  Whitney & Wood 2010, second hand; a from 0 to 90 deg [rad].
+
+    Dickinson's measurements in the form of a flat plate: no lift at 0 and 90 deg, drag from 0.4 to 3.4.
+    """
+    return LiftDrag(lift=1.8 * np.sin(2 * attack), drag=1.9 - 1.5 * np.cos(2 * attack))
+
+
 COEFFICIENTS: dict[CoefficientName, Callable[[FloatArray], LiftDrag]] = {
     "dickinson1999": dickinson1999,
     "wang2004": wang2004,
+    "whitney2010": whitney2010,
 }
