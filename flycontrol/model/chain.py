@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from flycontrol.delay.system import ComplexArray
 from flycontrol.errors import InvalidParameterError
-from flycontrol.model.yaw import YawLoop
+from flycontrol.model.yaw import YawLoop, require_pd
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,6 +66,7 @@ def yaw_chain(loop: YawLoop, gamma: float, mu: float) -> Chain:
     """
     if not (gamma > 0 and mu > 0):
         raise InvalidParameterError(f"The chain needs gamma > 0 N m/rad and mu > 0, got {gamma!r} and {mu!r}.")
+    require_pd(loop)
     K_P, K_D = loop.controller.proportional, loop.controller.derivative
     halteres = Link(name="S halteres", reads="yaw angle [rad]", gives="yaw rate [rad/s]", numerator=(1.0, 0.0))
     neural = Link(

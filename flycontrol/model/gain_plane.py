@@ -12,7 +12,7 @@ from flycontrol.delay.chart import Axis, StabilityChart, stability_chart
 from flycontrol.delay.dcurve import PDGains, pd_boundary
 from flycontrol.delay.system import FloatArray
 from flycontrol.model.gains import fastest_decay, gain_crossover, largest_stable_delay, modulus_margins
-from flycontrol.model.yaw import YawLoop
+from flycontrol.model.yaw import YawLoop, require_pd
 
 _GRID = 61  # points along each gain
 _SLICE = 49  # points along gain factor and delay
@@ -49,6 +49,7 @@ class DelaySlice:
 
 def gain_plane(loop: YawLoop) -> GainPlane | None:
     """Chart of all PD gains at the loop's damping and delay; None without delay, where no gain is too high."""
+    require_pd(loop)
     b, T = loop.plant.damping_rate, loop.delay
     if T == 0:
         return None
@@ -69,6 +70,7 @@ def gain_plane(loop: YawLoop) -> GainPlane | None:
 
 def delay_slice(loop: YawLoop) -> DelaySlice | None:
     """Chart over gain and delay; None where no delay is stable (kp <= 0 or b + kd <= 0), or there is none."""
+    require_pd(loop)
     b, kp, kd, T = loop.plant.damping_rate, loop.kp, loop.kd, loop.delay
     if T == 0 or not (kp > 0 and b + kd > 0):
         return None

@@ -10,7 +10,7 @@ import numpy as np
 from flycontrol.delay.locus import RootLocus, root_locus
 from flycontrol.delay.system import DelayLTI, FloatArray
 from flycontrol.model.gains import largest_stable_delay
-from flycontrol.model.yaw import PDController, YawLoop
+from flycontrol.model.yaw import PDController, YawLoop, require_pd
 from flycontrol.units import ms
 
 #: factors on the gains that a locus holds exactly, for a figure to name
@@ -25,6 +25,7 @@ _MOST_TURNS = 20.0  # delay times the loop's fastest rate up to which a locus go
 
 def gain_locus(loop: YawLoop) -> RootLocus:
     """Roots over a common factor on both gains, from 0.02 to 4, the loop's own 1 among the values."""
+    require_pd(loop)
 
     def scaled(factor: float) -> DelayLTI:
         gains = PDController(
@@ -37,6 +38,7 @@ def gain_locus(loop: YawLoop) -> RootLocus:
 
 def delay_locus(loop: YawLoop) -> RootLocus:
     """Roots over the delay, from a tenth to four times the loop's own, further where stability ends later."""
+    require_pd(loop)
     own = max(loop.delay, 1e-3)
     low, high = 0.1 * own, 4.0 * own
     if loop.kp > 0 and loop.plant.damping_rate + loop.kd > 0:

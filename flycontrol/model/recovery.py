@@ -93,7 +93,7 @@ def settled_response(loop: YawLoop, pulse: TorquePulse, fraction: float | None, 
     """
     system = loop.closed_loop()
     end = pulse.duration + 8 * max(loop.delay, pulse.duration)
-    scale = np.sqrt(abs(loop.kp)) + loop.plant.damping_rate + abs(loop.kd)
+    scale = np.sqrt(abs(loop.kp)) + loop.plant.damping_rate + abs(loop.kd) + np.cbrt(abs(loop.ki))
     step = min(loop.delay or pulse.duration, pulse.duration)
     while end < _MOST_STEPS * step:
         whole = pulse_response(system, pulse, end)

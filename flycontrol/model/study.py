@@ -18,7 +18,7 @@ from flycontrol.model.loci import delay_locus, gain_locus
 from flycontrol.model.loop_shape import LoopShape, loop_shape
 from flycontrol.model.recovery import RecoveryCurve, pulse_response, recovery_curve
 from flycontrol.model.stability import StabilityResult, assess
-from flycontrol.model.yaw import YawLoop
+from flycontrol.model.yaw import YawLoop, require_pd
 
 _STRENGTHS = (0.25, 0.5, 1.0, 1.5, 2.0)  #: of the recoveries shown, in units of the nominal peak
 
@@ -126,6 +126,7 @@ def study(
 
 
 def _closed_form(loop: YawLoop) -> float | None:
+    require_pd(loop)
     b = loop.plant.damping_rate
     return largest_stable_delay(b, loop.kp, loop.kd) if loop.kp > 0 and b + loop.kd > 0 else None
 

@@ -8,6 +8,8 @@ from flycontrol.delay.pade import pade
 from flycontrol.delay.response import response
 from flycontrol.delay.spectrum import rightmost_roots
 from flycontrol.errors import InvalidParameterError
+from flycontrol.model.gain_plane import gain_plane
+from flycontrol.model.loci import delay_locus, gain_locus
 from flycontrol.model.yaw import PDController, YawLoop, YawPlant
 
 INERTIA, DAMPING = 3.06e-13, 21e-12  # kg m^2, N m s
@@ -128,3 +130,40 @@ def test_a_vanishing_delay_leads_to_the_loop_without_delay():
 def test_what_no_fly_can_be_is_refused(make, sentence):
     with pytest.raises(InvalidParameterError, match=sentence):
         make()
+
+
+@settings(derandomize=True, deadline=None, max_examples=30)
+@given(loops, st.floats(1e3, 1e5), st.complex_numbers(min_magnitude=1.0, max_magnitude=500.0))
+def test_an_integral_term_adds_its_share_to_the_open_and_the_closed_loop(loop, ki, s):
+    """L = (K_P + K_D s + K_I / s) exp(-s T) / (I s^2 + beta s), and psi / N_ext = G / (1 + L)."""
+    inertia = loop.plant.inertia
+    pid = YawLoop.from_rates(
+        b=loop.plant.damping_rate, kp=loop.kp, kd=loop.kd, ki=ki, delay=loop.delay, inertia=inertia
+    )
+    plant = 1 / (inertia * s**2 + loop.plant.damping * s)
+    demand = inertia * (loop.kp + loop.kd * s + ki / s)
+    around = pid.open_loop()(s)[0, 0]
+    assert around == pytest.approx(demand * np.exp(-s * loop.delay) * plant, rel=1e-10)
+    closed = pid.closed_loop()(s)[:, 0]
+    assert closed[0] * (1 + around) == pytest.approx(plant, rel=1e-8)
+    assert closed[2] == pytest.approx(-demand * np.exp(-s * loop.delay) * closed[0], rel=1e-8)
+
+
+def test_an_integral_term_lets_no_constant_torque_keep_an_error():
+    pid = YawLoop.from_rates(b=69.0, kp=3050.0, kd=45.0, ki=3e4, delay=0.0136)
+    late = response(pid.closed_loop(), 1.5, inputs=[[100.0]])(np.array([1.5]))
+    assert abs(late[0, 0]) < 1e-4 * 100 / 3050  # where PD keeps N / K_P
+    assert late[2, 0] == pytest.approx(-100.0, rel=1e-4)
+
+
+def test_an_integral_loop_without_delay_has_the_roots_of_its_cubic():
+    poles = YawLoop.from_rates(b=69.0, kp=3050.0, kd=45.0, ki=2e4, delay=0.0).poles(3)
+    np.testing.assert_allclose(
+        np.sort_complex(poles), np.sort_complex(np.roots([1.0, 69.0 + 45.0, 3050.0, 2e4])), rtol=1e-10
+    )
+
+
+@pytest.mark.parametrize("closed_form", [gain_plane, gain_locus, delay_locus])
+def test_a_closed_form_for_pd_refuses_an_integral_term(closed_form):
+    with pytest.raises(InvalidParameterError, match="P or PD control of the yaw angle only"):
+        closed_form(YawLoop.from_rates(b=69.0, kp=3050.0, kd=45.0, ki=2e4, delay=0.0136))

@@ -13,12 +13,14 @@ from numpy.typing import NDArray
 
 from flycontrol.delay.response import collocation_rule
 from flycontrol.delay.spectrum import rightmost_roots
-from flycontrol.errors import InvalidParameterError
+from flycontrol.errors import InvalidParameterError, UnstableSystemError
 from flycontrol.identify.gains.bootstrap import Bootstrap
 from flycontrol.identify.gains.drawn_loops import drawn_loops, loops_of, yaw_loops
 from flycontrol.identify.gains.result import FitResult
 from flycontrol.model import kernels
 from flycontrol.model.gains import PulseTask, gain_crossover, largest_stable_delay, modulus_margins
+from flycontrol.model.recovery import pulse_for_peak, recovery_time
+from flycontrol.model.yaw import YawLoop
 
 FloatArray = NDArray[np.float64]
 _QUANTITIES = ("gain_margin", "phase_margin", "delay_margin", "modulus_margin", "recovery_time", "abscissa")
@@ -28,7 +30,7 @@ _QUANTITIES = ("gain_margin", "phase_margin", "delay_margin", "modulus_margin", 
 class Consequences:
     """Loops drawn from a fit and what they do; NaN where a loop is unstable, except the abscissa."""
 
-    loops: FloatArray  #: (b, 4) damping [1/s], kp [1/s^2], kd [1/s], delay [s]: the fly's cloud
+    loops: FloatArray  #: (b, 5) damping [1/s], kp [1/s^2], kd [1/s], delay [s], ki [1/s^3]: the fly's cloud
     gain_margin: FloatArray  #: (b,) smallest factor > 1 on both gains that destabilises
     phase_margin: FloatArray  #: (b,) [rad]
     delay_margin: FloatArray  #: (b,) [s]
@@ -75,24 +77,44 @@ def consequences(
         As of `drawn_loops`.
     """
     loops = drawn_loops(found, draws, seed) if boot is None else loops_of(found, boot.draws - found.uncertainty.bias)
-    b, kp, kd, T = loops.T
-    stable = _stable(loops)
-    gains = np.full((len(loops), 3), np.nan)
-    gains[stable] = pd_margins(loops[stable])
-    modulus, recovery = np.full(len(loops), np.nan), np.full(len(loops), np.nan)
-    for i in np.flatnonzero(stable):
-        modulus[i] = modulus_margins(b[i], kp[i : i + 1], kd[i : i + 1], T[i])[0]
-        recovery[i] = _recovery(loops[i], task)
     abscissa = np.array([rightmost_roots(loop.closed_loop(), 1).abscissa for loop in yaw_loops(loops)])
+    integrates = bool(loops[:, 4].any())
+    stable = abscissa < 0 if integrates else _stable(loops)
+    done = np.full((len(loops), 5), np.nan)
+    done[stable] = (of_any_loop if integrates else of_pd_loops)(loops[stable], task)
+    gain, phase, delay, modulus, recovery = done.T
     return Consequences(
-        loops=loops, gain_margin=gains[:, 0], phase_margin=gains[:, 1], delay_margin=gains[:, 2],
-        modulus_margin=modulus, recovery_time=recovery, abscissa=abscissa,
-        unstable=float(1 - stable.mean()),
+        loops=loops, gain_margin=gain, phase_margin=phase, delay_margin=delay, modulus_margin=modulus,
+        recovery_time=recovery, abscissa=abscissa, unstable=float(1 - stable.mean()),
     )  # fmt: skip
 
 
+def of_pd_loops(loops: FloatArray, task: PulseTask) -> FloatArray:
+    """Three margins, modulus margin and recovery (b, 5) of stable P or PD loops, by closed forms and kernels."""
+    b, kp, kd, T, _ = loops.T
+    rest = [
+        (modulus_margins(b[i], kp[i : i + 1], kd[i : i + 1], T[i])[0], _recovery(loops[i, :4], task))
+        for i in range(len(loops))
+    ]
+    return np.hstack([pd_margins(loops[:, :4]), np.array(rest).reshape(-1, 2)])
+
+
+def of_any_loop(loops: FloatArray, task: PulseTask) -> FloatArray:
+    """The same of stable loops with an integral term, by the general code."""
+    return np.array([_margins_and_recovery(loop, task) for loop in yaw_loops(loops)]).reshape(-1, 5)
+
+
+def _margins_and_recovery(loop: YawLoop, task: PulseTask) -> tuple[float, ...]:
+    room = loop.margins()
+    try:
+        seconds = recovery_time(loop, pulse_for_peak(loop, task.duration, task.peak), task.tolerance)
+    except UnstableSystemError:  # too slow to be followed
+        seconds = np.inf
+    return room.gain_margin, room.phase_margin, room.delay_margin, room.modulus_margin, seconds
+
+
 def _stable(loops: FloatArray) -> NDArray[np.bool_]:
-    return np.array([p > 0 and b + d > 0 and largest_stable_delay(b, p, d) > T for b, p, d, T in loops])
+    return np.array([p > 0 and b + d > 0 and largest_stable_delay(b, p, d) > T for b, p, d, T, _ in loops])
 
 
 def pd_margins(loops: FloatArray) -> FloatArray:

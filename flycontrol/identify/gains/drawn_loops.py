@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from flycontrol.errors import InvalidInputError, InvalidParameterError
+from flycontrol.errors import InvalidInputError
 from flycontrol.identify.gains.result import FitResult
 from flycontrol.model.yaw import YawLoop
 
 FloatArray = NDArray[np.float64]
-LOOP = ("damping", "kp", "kd", "delay")  #: [1/s], [1/s^2], [1/s], [s]
+LOOP = ("damping", "kp", "kd", "delay", "ki")  #: [1/s], [1/s^2], [1/s], [s], [1/s^3]
 
 
 def drawn_loops(found: FitResult, draws: int, seed: int) -> FloatArray:
-    """Loops (draws, 4) in the order of `LOOP`, inside the bounds: Student's distribution with the fit's covariance.
+    """Loops (draws, 5) in the order of `LOOP`, inside the bounds: Student's distribution with the fit's covariance.
 
     It has the smallest of the unknowns' degrees of freedom.
 
@@ -22,8 +22,6 @@ def drawn_loops(found: FitResult, draws: int, seed: int) -> FloatArray:
     ------
     InvalidInputError
         If a gain, the delay or the damping is not determined, or not shared by all recordings.
-    InvalidParameterError
-        If the controller has an integral term.
     """
     names = found.problem.names
     apart = [name for name in LOOP if name in found.problem.kinds and name not in names]
@@ -49,15 +47,7 @@ def drawn_loops(found: FitResult, draws: int, seed: int) -> FloatArray:
 
 
 def loops_of(found: FitResult, x: FloatArray) -> FloatArray:
-    """Loops (b, 4) in the order of `LOOP` of vectors of unknowns (b, k), inside the bounds.
-
-    Raises
-    ------
-    InvalidParameterError
-        If the controller has an integral term.
-    """
-    if found.value("ki"):
-        raise InvalidParameterError("A YawLoop is P or PD on the yaw angle; this fit has an integral term.")
+    """Loops (b, 5) in the order of `LOOP` of vectors of unknowns (b, k), inside the bounds."""
     names, x = found.problem.names, np.clip(x, found.problem.low, found.problem.high)
     return np.column_stack(
         [x[:, names.index(name)] if name in names else np.full(len(x), found.value(name)) for name in LOOP]
@@ -66,4 +56,4 @@ def loops_of(found: FitResult, x: FloatArray) -> FloatArray:
 
 def yaw_loops(loops: FloatArray) -> list[YawLoop]:
     """The same as `YawLoop`s of unit inertia."""
-    return [YawLoop.from_rates(b=b, kp=kp, kd=kd, delay=delay) for b, kp, kd, delay in loops.tolist()]
+    return [YawLoop.from_rates(b=b, kp=kp, kd=kd, delay=delay, ki=ki) for b, kp, kd, delay, ki in loops.tolist()]

@@ -67,7 +67,7 @@ def recovery_band(
     InvalidInputError
         If the fitted loop is not determined or unstable, or nothing perturbed the flies.
     InvalidParameterError
-        If the controller has an integral term, or a peak or the tolerance is not > 0.
+        If a peak or the tolerance is not > 0.
     """
     wanted = np.atleast_1d(np.asarray(peaks, dtype=np.float64))
     if not (np.all(wanted > 0) and np.all(np.isfinite(wanted)) and tolerance > 0):

@@ -95,12 +95,9 @@ class FitResult:
         return self[kind].value if kind in self.problem.names else 0.0
 
     def loop(self) -> YawLoop:
-        """The fitted loop, for an inertia of one; refused for a controller with an integral term."""
-        if self.value("ki"):
-            raise InvalidParameterError("A YawLoop is P or PD on the yaw angle; this fit has an integral term.")
-        return YawLoop.from_rates(
-            b=self.value("damping"), kp=self.value("kp"), kd=self.value("kd"), delay=self.value("delay")
-        )
+        """The fitted loop, for an inertia of one."""
+        values = {name: self.value(name) for name in ("kp", "kd", "ki", "delay")}
+        return YawLoop.from_rates(b=self.value("damping"), **values)
 
     def profile(self, name: str) -> Profile:
         """The profile likelihood of an unknown, at the level of the intervals."""

@@ -65,7 +65,7 @@ class FitStudy:
     comparison: ControllerComparison | None
     bootstrap: Bootstrap | None  #: None where none was asked for
     recovery: RecoveryAgainstStrength | None  #: measured beside predicted
-    stability: StabilityResult | None  #: of the fitted loop; None where flies differ or an integral acts
+    stability: StabilityResult | None  #: of the fitted loop; None where flies differ
     consequences: Consequences | None  #: of the intervals for margins, poles and recovery
     plane: GainPlane | None  #: all gains at the fitted damping and delay
     trade_offs: tuple[TradeOff, ...]  #: strongest first
@@ -218,6 +218,11 @@ class _Study:
             return None
 
     def _stability(self, result: FitResult) -> StabilityResult | None:
+        if not self.pooled:
+            self.absent["stability"] = (
+                "Loops were fitted apart, so there is no one loop whose margins could stand here; "
+                "fit the recordings of one fly to see its own."
+            )
         if not self._has_one_loop(result):
             return None
         try:
@@ -248,7 +253,7 @@ class _Study:
         return ridge(result.weighted, result.minimum, (one, other), labour=self.stages.labour("ridge", self.identity))
 
     def _has_one_loop(self, result: FitResult) -> bool:
-        return self.pooled and result.converged and result.controller in ("P", "PD")
+        return self.pooled and result.converged
 
     def _plane(self, result: FitResult) -> GainPlane | None:
         if not (self.pooled and result.controller in ("P", "PD") and np.isfinite(result.value("kp"))):

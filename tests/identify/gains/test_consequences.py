@@ -6,7 +6,7 @@ from perturbed_fly import AT_REST, recording
 
 from flycontrol.errors import InvalidParameterError
 from flycontrol.identify.gains.bootstrap import bootstrap
-from flycontrol.identify.gains.consequences import consequences
+from flycontrol.identify.gains.consequences import consequences, of_any_loop
 from flycontrol.identify.gains.fit import fit_gains
 from flycontrol.identify.gains.model import gain_model
 from flycontrol.model.gains import PulseTask
@@ -41,7 +41,7 @@ def test_every_interval_holds_what_the_estimate_does(found, cloud):
 
 def test_each_draw_is_judged_as_its_loop_would_be(cloud):
 
-    b, kp, kd, delay = cloud.loops[7]
+    b, kp, kd, delay, _ = cloud.loops[7]
     own = assess(YawLoop.from_rates(b=b, kp=kp, kd=kd, delay=delay), TASK)
     assert cloud.recovery_time[7] == pytest.approx(own.recovery_time, rel=1e-6)
     assert cloud.modulus_margin[7] == pytest.approx(own.margins.modulus_margin, rel=1e-6)
@@ -52,7 +52,7 @@ def test_each_draw_is_judged_as_its_loop_would_be(cloud):
 
 
 def test_the_cloud_has_the_covariance_of_the_fit(found, cloud):
-    spread = cloud.loops.std(axis=0) / [found[k].standard_error for k in ("damping", "kp", "kd", "delay")]
+    spread = cloud.loops[:, :4].std(axis=0) / [found[k].standard_error for k in ("damping", "kp", "kd", "delay")]
     assert np.abs(spread - 1).max() < 4 / np.sqrt(2 * 200)
 
 
@@ -75,3 +75,22 @@ def test_a_bootstrap_can_be_carried_too(found):
 def test_an_unknown_quantity_is_refused(cloud):
     with pytest.raises(InvalidParameterError, match="An interval needs one of gain_margin"):
         cloud.interval("speed")
+
+
+def test_the_general_code_for_integral_terms_agrees_with_the_closed_forms_as_the_term_vanishes(cloud):
+    loops = cloud.loops[:4].copy()
+    loops[:, 4] = 1e-6 * loops[:, 1]
+    found = of_any_loop(loops, TASK)
+    exact = np.column_stack([
+        cloud.gain_margin, cloud.phase_margin, cloud.delay_margin, cloud.modulus_margin, cloud.recovery_time,
+    ])[:4]  # fmt: skip
+    np.testing.assert_allclose(found, exact, rtol=1e-5)
+
+
+def test_an_integral_controller_has_margins_and_intervals_too():
+    found = fit_gains([recording(0, noise=0.1)], gain_model("PID", fixed=AT_REST | {"damping": 69.0}))
+    drawn = consequences(found, TASK, 40)
+    own = assess(found.loop(), TASK)
+    assert drawn.loops[:, 4].std() > 0
+    low, high = drawn.interval("delay_margin")
+    assert low < own.margins.delay_margin < high

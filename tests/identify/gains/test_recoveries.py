@@ -122,7 +122,7 @@ def test_measured_points_of_the_same_fly_agree_with_its_band():
 
 def test_draws_have_the_covariance_of_the_fit():
     found = fitted([recorded(0)], noise="white")
-    drawn = drawn_loops(found, 4000, 1)[:, 1:]
+    drawn = drawn_loops(found, 4000, 1)[:, 1:4]
     places = [found.problem.names.index(name) for name in ("kp", "kd", "delay")]
     errors = np.sqrt(np.diag(found.covariance)[places])
     assert np.all(np.abs(drawn.std(axis=0) / errors - 1) < 4 / np.sqrt(2 * 4000) + 0.01)  # Student's is wider by 1/f
