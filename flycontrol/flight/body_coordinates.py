@@ -27,9 +27,7 @@ def state_at(stroke: StrokeKinematics, x: FloatArray) -> FloatArray:
     """(25,) state at the origin, heading along the world's x, wings where the stroke begins; x is (8,)."""
     y = packed(level_start(stroke))
     y[VELOCITY:LEFT] = x[:ROLL]
-    roll, pitch = np.array([np.cos(x[ROLL] / 2), np.sin(x[ROLL] / 2)]), (np.cos(x[PITCH] / 2), np.sin(x[PITCH] / 2))
-    # (0, 1, 0, 0) o (c_t, 0, s_t, 0) o (c_p, s_p, 0, 0)
-    y[QUATERNION:VELOCITY] = [-pitch[0] * roll[1], pitch[0] * roll[0], pitch[1] * roll[1], pitch[1] * roll[0]]
+    y[QUATERNION:VELOCITY] = attitude(x[ROLL], x[PITCH], np.zeros(()))
     return y
 
 
@@ -39,14 +37,31 @@ def coordinates_of(y: FloatArray) -> FloatArray:
     return np.concatenate([y[..., VELOCITY:LEFT], roll[..., None], pitch[..., None]], axis=-1)
 
 
+def attitude(roll: FloatArray, pitch: FloatArray, heading: FloatArray) -> FloatArray:
+    """(..., 4) quaternions q_WS from angles [rad]."""
+    c, s = np.cos(np.array([roll, pitch, heading]) / 2), np.sin(np.array([roll, pitch, heading]) / 2)
+    w = c[2] * c[1] * c[0] + s[2] * s[1] * s[0]
+    x = c[2] * c[1] * s[0] - s[2] * s[1] * c[0]
+    y = c[2] * s[1] * c[0] + s[2] * c[1] * s[0]
+    z = s[2] * c[1] * c[0] - c[2] * s[1] * s[0]
+    return np.stack([-x, w, -z, y], axis=-1)  # level = (0, 1, 0, 0) comes first
+
+
 def attitude_angles(q_WS: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Roll phi, pitch theta, heading psi of quaternions (..., 4) [rad]."""
     a, b, c, d = np.moveaxis(q_WS, -1, 0)
-    w, x, y, z = b, -a, d, -c  # level taken off: (0, -1, 0, 0) o q
+    w, x, y, z = b, -a, d, -c
     roll = np.arctan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
     pitch = np.arcsin(np.clip(2 * (w * y - z * x), -1.0, 1.0))
     heading = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
     return roll, pitch, heading
+
+
+def attitude_rates(x: FloatArray) -> FloatArray:
+    """phi' = p + (q sin phi + r cos phi) tan theta, theta' = q cos phi - r sin phi; (..., 2) of (..., 8) [rad/s]."""
+    p, q, r, roll, pitch = np.moveaxis(x[..., 3:], -1, 0)
+    sin, cos = np.sin(roll), np.cos(roll)
+    return np.stack([p + (q * sin + r * cos) * np.tan(pitch), q * cos - r * sin], axis=-1)
 
 
 def natural_scales(fly: FlappingFly, stroke: StrokeKinematics) -> FloatArray:
