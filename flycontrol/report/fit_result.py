@@ -132,7 +132,7 @@ FIELDS: dict[str, str] = {
 
 COLUMNS = (
     *("name", "kind", "owner", "unit", "value", "low", "high", "level", "standard_error"),
-    *("degrees_of_freedom", "bias", "method", "at_bound"),
+    *("degrees_of_freedom", "bias", "method", "at_bound", "bootstrap_low", "bootstrap_high"),
 )
 
 
@@ -220,13 +220,22 @@ def _channel(channel: ChannelFit) -> dict[str, Any]:
 
 
 def estimates_csv(study: FitStudy) -> str:
-    """One row an estimate, columns as `COLUMNS`, SI units and radians; what is not finite is an empty field."""
+    """One row an estimate, columns as `COLUMNS`, SI units and radians; what is not there or not finite is empty."""
     text = io.StringIO()
     writer = csv.DictWriter(text, COLUMNS, lineterminator="\n", extrasaction="ignore")
     writer.writeheader()
     for e in study.result.estimates:
-        writer.writerow(_written(estimate_fields(e) | {"level": study.result.level}))
+        row = estimate_fields(e) | {"level": study.result.level} | _bootstrapped(e, study)
+        writer.writerow(_written(row))
     return text.getvalue()
+
+
+def _bootstrapped(e: Estimate, study: FitStudy) -> dict[str, float]:
+    """The bootstrap's interval of an unknown that all recordings share."""
+    if study.bootstrap is None or e.name != e.kind:
+        return {}
+    low, high = study.bootstrap.interval(e.name, study.result.level)
+    return {"bootstrap_low": low, "bootstrap_high": high}
 
 
 def _written(row: dict[str, Any]) -> dict[str, Any]:

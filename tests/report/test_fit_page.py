@@ -49,6 +49,9 @@ def test_the_table_of_estimates_is_tidy_and_agrees_with_the_fit(study):
     for row, e in zip(rows, study.result.estimates, strict=True):
         assert (row["name"], float(row["value"]), float(row["low"])) == (e.name, e.value, e.low)
         assert row["name"] == (f"{row['kind']}[{row['owner']}]" if row["owner"] else row["kind"])
+        assert bool(row["bootstrap_low"]) == (not row["owner"])
+        if row["bootstrap_low"]:
+            assert float(row["bootstrap_low"]) < e.value < float(row["bootstrap_high"])
 
 
 def test_the_page_is_well_formed_and_says_no_nan(study, origin):
