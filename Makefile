@@ -30,6 +30,7 @@ reports: report
 	$(BIN)/python analyses/pade_or_exact.py
 	$(BIN)/python analyses/p_or_pd.py
 	$(BIN)/python analyses/flutter_or_tumble.py
+	[ ! -d $(DATA)/robofly_polars ] || $(BIN)/python analyses/wings_against_nature.py
 	for flight in $(FLIGHTS); do $(BIN)/flycontrol report --parameters drosophila_hydei --mapping muijres_freeflight \
 	  --recording $(DATA)/muijres_freeflight/$$flight.txt --out reports/flights/$$flight || exit 1; done
 
