@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from flycontrol.errors import InvalidParameterError
 from flycontrol.flight.flapping_fly import FlappingFly
 from flycontrol.flight.multibody.freedoms import Hinge, Prescribed, TorqueDriven
+from flycontrol.model.hinge import SteeredSpring
 from flycontrol.model.stroke_kinematics import StrokeKinematics
 from flycontrol.model.wing_stroke import WingStroke
 
@@ -41,6 +42,8 @@ def _wing_drive(hinge: Hinge, stroke: WingStroke, frequency: float, phase: Float
             drive[:, 6 + k] = at.second[:, k] * frequency**2
         if isinstance(joint, TorqueDriven):
             drive[:, 9 + k] = joint.torque(phase)
+        if isinstance(joint, SteeredSpring):  # -kappa (eta - eta_0) = kappa eta_0 - kappa eta
+            drive[:, 9 + k] = joint.stiffness * at.angles[:, k]
     if not np.all(np.isfinite(drive)):
         raise InvalidParameterError(
             "The stroke or a hinge torque is not a finite number at some phase; check its parameters."

@@ -16,8 +16,9 @@ from flycontrol.flight.blades import beta_blades, table_blades
 from flycontrol.flight.coefficient_series import coefficient_series
 from flycontrol.flight.flapping_fly import FlappingFly
 from flycontrol.flight.kernels.march import DAMPING, FREED, REST, STIFFNESS
-from flycontrol.flight.multibody.freedoms import DampedSpring, Hinge, Prescribed
+from flycontrol.flight.multibody.freedoms import Hinge, Prescribed
 from flycontrol.flight.quasi_steady import QuasiSteadyModel
+from flycontrol.model.hinge import DampedSpring, SteeredSpring
 from flycontrol.model.morphology import Morphology
 from flycontrol.model.planform import Planform
 
@@ -138,4 +139,6 @@ def _joints(hinge: Hinge) -> FloatArray:
         row[FREED] = not isinstance(joint, Prescribed)
         if isinstance(joint, DampedSpring):
             row[[STIFFNESS, DAMPING, REST]] = joint.stiffness, joint.damping, joint.rest_angle
+        if isinstance(joint, SteeredSpring):  # its rest angle comes with the stroke, as a torque of the drive
+            row[[STIFFNESS, DAMPING]] = joint.stiffness, joint.damping
     return rows

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flycontrol.errors import InvalidParameterError
+from flycontrol.model.hinge import DampedSpring, SteeredSpring
 
 FloatArray = NDArray[np.float64]
 
@@ -26,23 +26,7 @@ class TorqueDriven:
     periodic: bool = True  #: whether the torque of every wingbeat is that of phases 0 to 1
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class DampedSpring:
-    """Tau = -kappa (eta - eta_0) - C eta'."""
-
-    stiffness: float  #: kappa [N m/rad]
-    damping: float = 0.0  #: C [N m s/rad]
-    rest_angle: float = np.pi / 2  #: eta_0 [rad]
-
-    def __post_init__(self) -> None:
-        if not (self.stiffness >= 0 and self.damping >= 0):
-            raise InvalidParameterError(
-                f"DampedSpring needs stiffness and damping >= 0, got {self.stiffness!r} N m/rad and "
-                f"{self.damping!r} N m s/rad."
-            )
-
-
-Joint = Prescribed | TorqueDriven | DampedSpring
+Joint = Prescribed | TorqueDriven | DampedSpring | SteeredSpring
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
