@@ -15,8 +15,9 @@ FLIES = [text for text in BLOCKS if "mass" in tomllib.loads(text)]
 STROKES = [text for text in BLOCKS if "frequency" in tomllib.loads(text)]
 
 
-@pytest.mark.parametrize("text", FLIES, ids=lambda text: next(iter(tomllib.loads(text))))
+@pytest.mark.parametrize("text", FLIES, ids=["whole", "changed", "outline"])
 def test_every_fly_of_the_page_is_read(tmp_path, text):
+    (tmp_path / "outline.csv").write_text("x,y\n0.1,0.0\n0.1,1.0\n-0.2,0.9\n-0.2,0.2")
     path = tmp_path / "fly.toml"
     path.write_text(text)
     written = tomllib.loads(text)["mass"]
@@ -54,4 +55,4 @@ def test_every_stroke_of_the_page_is_read_and_starts_at_the_back_with_the_leadin
 
 
 def test_the_page_shows_flies_and_strokes():
-    assert (len(FLIES), len(STROKES)) == (2, 4)
+    assert (len(FLIES), len(STROKES)) == (3, 4)

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flycontrol.errors import InvalidInputError
-from flycontrol.flight.blades import BladeElements, beta_blades
+from flycontrol.flight.blades import BladeElements, planform_blades
 from flycontrol.flight.coefficients import COEFFICIENTS
 from flycontrol.flight.quasi_steady import QuasiSteadyModel
 from flycontrol.model.morphology import Morphology
@@ -92,7 +92,7 @@ def flight_loads(
     left, right : wing angles [rad] and rates [rad/s], arrays of shape (N,)
     body : velocity and angular velocity, arrays of shape (N, 3)
     model : coefficients, density and number of blades
-    blades : blades of either wing, in place of those of the morphology's beta distribution
+    blades : blades of either wing, in place of those of the morphology's planform
 
     Raises
     ------
@@ -103,9 +103,7 @@ def flight_loads(
     if not len(left.stroke) == len(right.stroke) == len(body.velocity) == len(body.angular_velocity):
         raise InvalidInputError("Left wing, right wing and body must be given at the same instants.")
     if blades is None:
-        blades = beta_blades(
-            morphology.wing_length, morphology.mean_chord, morphology.second_moment_radius, model.nodes
-        )
+        blades = planform_blades(morphology.planform, model.nodes)
     hinge = np.array(morphology.right_hinge)
     return FlightLoads(
         left=WingLoads(terms=_terms(hinge * [1.0, -1.0, 1.0], "left", left, body, model, blades)),

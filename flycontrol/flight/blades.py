@@ -13,7 +13,7 @@ from scipy.linalg import eigh_tridiagonal
 from scipy.special import roots_jacobi
 
 from flycontrol.errors import InvalidParameterError
-from flycontrol.model.planform import beta_exponents
+from flycontrol.model.planform import Planform, beta_exponents
 
 FloatArray = NDArray[np.float64]
 
@@ -56,6 +56,15 @@ def table_blades(span: FloatArray, chord: FloatArray, length: float, area: float
     measure = w * np.interp(x, span, chord)
     node, weight = _gauss(x, measure / measure.sum(), nodes)
     return BladeElements(radius=length * node, area=area * weight)
+
+
+def planform_blades(planform: Planform, nodes: int = 6) -> BladeElements:
+    """Gauss nodes for a wing's own chords: a table where it has one, the beta distribution otherwise."""
+    table = planform.table
+    if table is None:
+        return beta_blades(planform.length, planform.mean_chord, planform.second_moment_radius, nodes)
+    area = planform.length * planform.mean_chord
+    return table_blades(np.array(table.span), np.array(table.chord), planform.length, area, nodes)
 
 
 def _panels(span: FloatArray, order: int = 8) -> tuple[FloatArray, FloatArray]:

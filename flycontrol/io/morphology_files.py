@@ -17,8 +17,9 @@ from flycontrol.errors import FlycontrolError, InvalidInputError
 from flycontrol.io.entries import Entry
 from flycontrol.io.morphology_tables import CHORD_KEYS, MorphologyTable, PlanformTable, WingTable
 from flycontrol.io.morphology_text import morphology_text
+from flycontrol.io.planform_files import read_planform
 from flycontrol.io.published_flies import PUBLISHED, published_morphology
-from flycontrol.io.quantities import ANGLE, AREA, INERTIA, LENGTH, MASS, NUMBER
+from flycontrol.io.quantities import ANGLE, AREA, INERTIA, LENGTH, MASS, NUMBER, unit_factor
 from flycontrol.io.quantity_reader import QuantityReader
 from flycontrol.io.table_at import folder_of, table_at
 from flycontrol.io.toml_files import TomlFile, read_toml_file, structured
@@ -26,6 +27,7 @@ from flycontrol.model.morphology import Matrix, Morphology, Vector, pitch_rotati
 from flycontrol.model.planform import ChordTable
 from flycontrol.model.provenance import SourcedMorphology
 from flycontrol.model.wing_body import WingBody
+from flycontrol.model.wing_outline import WingShape
 
 _HINGE, _LONGEST_ARM = 2.0, 10.0  # largest plausible hinge offset and radius of gyration, in wing lengths
 _SHORTEST_ARM = 0.01
@@ -71,7 +73,7 @@ def morphology_in(toml: TomlFile, within: str = "", folder: Path | None = None) 
     read = QuantityReader(toml, within)
     table = structured(MorphologyTable, _completed(table_at(toml, within), read, folder_of(toml, folder)), toml, within)
     return SourcedMorphology(
-        morphology=_morphology(table, read),
+        morphology=_morphology(table, read, folder_of(toml, folder)),
         provenance=read.provenance,
         file=toml.file.name,
         sha256=toml.file.sha256,
@@ -91,14 +93,16 @@ def _completed(given: dict[str, Any], read: QuantityReader, folder: Path) -> dic
     both = {"right_hinge", "inertia"} <= set(changes)
     if changes.get("frame") == "body" and not both:
         raise read.refusal("frame", "is that of right_hinge and inertia: give both, or leave those of the stroke plane")
-    replaced = set(CHORD_KEYS) if set(changes) & set(CHORD_KEYS) else set[str]()
+    planform = changes.get("planform")
+    own_chord = isinstance(planform, dict) and "file" in planform
+    replaced = set(CHORD_KEYS) if own_chord or set(changes) & set(CHORD_KEYS) else set[str]()
     replaced |= {"second_moment_radius"} if "planform" in changes else set()
     return {key: value for key, value in base.items() if key not in replaced} | changes
 
 
-def _morphology(table: MorphologyTable, read: QuantityReader) -> Morphology:
+def _morphology(table: MorphologyTable, read: QuantityReader, folder: Path) -> Morphology:
     length = read.number(table.wing_length, LENGTH, "wing_length", ("0.1 mm", "1 m"))
-    chords = _chord_table(table.planform, read)
+    shape = None if table.planform is None else _shape(table.planform, length, folder, read)
     try:
         angle = read.number(table.stroke_plane_angle, ANGLE, "stroke_plane_angle", ("-180 deg", "180 deg"))
         hinge, inertia = _in_stroke_plane(table, angle, read)
@@ -106,13 +110,13 @@ def _morphology(table: MorphologyTable, read: QuantityReader) -> Morphology:
             species=table.species,
             mass=read.number(table.mass, MASS, "mass", ("1 ug", "100 g")),
             wing_length=length,
-            mean_chord=_mean_chord(table, length, read),
-            second_moment_radius=_second_moment_radius(table, chords, read),
+            mean_chord=_mean_chord(table, length, shape, read),
+            second_moment_radius=_second_moment_radius(table, shape, read),
             pitch_axis=read.number(table.pitch_axis, NUMBER, "pitch_axis"),
             stroke_plane_angle=angle,
             right_hinge=hinge,
             inertia=inertia,
-            chord_table=chords,
+            chord_table=None if shape is None else shape.table,
             wing=None if table.wing is None else _wing(table.wing, read),
         )
     except InvalidInputError:
@@ -135,8 +139,10 @@ def _in_stroke_plane(table: MorphologyTable, angle: float, read: QuantityReader)
     return cast("Vector", tuple((R @ hinge).tolist())), cast("Matrix", tuple(tuple(row) for row in symmetric.tolist()))
 
 
-def _mean_chord(table: MorphologyTable, length: float, read: QuantityReader) -> float:
+def _mean_chord(table: MorphologyTable, length: float, shape: WingShape | None, read: QuantityReader) -> float:
     given = {key: entry for key in CHORD_KEYS if (entry := getattr(table, key)) is not None}
+    if not given and shape is not None and shape.mean_chord is not None:
+        return shape.mean_chord * length
     if len(given) != 1:
         found = f"has {' and '.join(given)}" if given else "has none of them"
         raise InvalidInputError(
@@ -159,24 +165,30 @@ def _mean_chord(table: MorphologyTable, length: float, read: QuantityReader) -> 
     return chord
 
 
-def _second_moment_radius(table: MorphologyTable, chords: ChordTable | None, read: QuantityReader) -> float:
+def _second_moment_radius(table: MorphologyTable, shape: WingShape | None, read: QuantityReader) -> float:
     if table.second_moment_radius is not None:
         return read.number(table.second_moment_radius, NUMBER, "second_moment_radius")
-    if chords is None:
+    if shape is None:
         raise read.refusal("second_moment_radius", "is missing; it, or a planform, is needed")
-    return chords.moment_radius(2)
+    return shape.second_moment_radius
 
 
-def _chord_table(table: PlanformTable | None, read: QuantityReader) -> ChordTable | None:
-    if table is None:
-        return None
-    if table.span is None or table.chord is None:
-        raise read.refusal("planform", "needs span and chord, two lists of equal length")
+def _shape(table: PlanformTable, length: float, folder: Path, read: QuantityReader) -> WingShape:
     read.account(Entry(value=None, source=table.source, certainty=table.certainty, note=table.note), "planform")
+    lists = table.span is not None or table.chord is not None
+    if lists == (table.file is not None) or (table.file is None) != (table.format is None):
+        raise read.refusal("planform", "needs either span and chord, two lists of equal length, or file and format")
+    if table.file is not None and table.format is not None:
+        size = 1.0
+        if table.unit is not None:
+            where = read.where("planform.unit")
+            size = length / unit_factor(table.unit, LENGTH, key=read.full("planform.unit"), where=where)
+        return read_planform(folder / table.file, table.format, length=size, constant=table.constant)
     try:
-        return ChordTable(span=tuple(table.span), chord=tuple(table.chord))
+        chords = ChordTable(span=tuple(table.span or ()), chord=tuple(table.chord or ()))
     except FlycontrolError as error:
         raise InvalidInputError(f"{read.where('planform')}: {error}") from error
+    return WingShape(table=chords, mean_chord=None)
 
 
 def _wing(table: WingTable, read: QuantityReader) -> WingBody:

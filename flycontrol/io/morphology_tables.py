@@ -7,6 +7,8 @@ from typing import Literal
 from pydantic import Field
 
 from flycontrol.io.entries import QuantityEntry
+from flycontrol.io.planform_files import PlanformFormat
+from flycontrol.io.series_conventions import Constant
 from flycontrol.io.toml_files import Table
 from flycontrol.model.parameters import Certainty
 
@@ -16,6 +18,10 @@ CHORD_KEYS = ("mean_chord", "wing_length_over_mean_chord", "wing_area")  #: one 
 class PlanformTable(Table):
     """Chords along the span, in place of the beta distribution: written out, or in a file."""
 
+    file: str | None = Field(default=None, min_length=1, max_length=1000)
+    format: PlanformFormat | None = None
+    unit: str | None = None  #: of an outline's points; None: wing lengths
+    constant: Constant | None = None  #: what a0 of a Fourier outline is, where the file does not state it
     span: list[float] | None = None  #: fractions of the wing length, rising from 0 to 1
     chord: list[float] | None = None  #: in any one unit: mean_chord sets the size
     source: str = ""

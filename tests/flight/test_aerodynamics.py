@@ -9,6 +9,7 @@ from flycontrol.flight.aerodynamics import BodyMotion, FlightLoads, QuasiSteadyM
 from flycontrol.flight.blades import BladeElements, beta_blades, table_blades
 from flycontrol.flight.coefficients import dickinson1999, wang2004
 from flycontrol.model.morphology import drosophila_hydei
+from flycontrol.model.planform import ChordTable
 from flycontrol.model.stroke import WingMotion, wing_axes
 from flycontrol.units import deg
 
@@ -179,3 +180,13 @@ def test_unknown_coefficients_and_unequal_lengths_are_refused_in_a_sentence():
         QuasiSteadyModel(coefficients="nobody1900")  # pyright: ignore[reportArgumentType]
     with pytest.raises(InvalidInputError, match="same instants"):
         flight_loads(FLY, stroke(), stroke(), still_air(n=3))
+
+
+def test_the_air_sees_the_chords_of_a_table():
+    """About a fixed hinge all blades move alike, so translation's force is as the integral of c r^2: area times r2^2."""
+    tables = [ChordTable(span=(0.0, 1.0), chord=(1.0, 1.0)), ChordTable(span=(0.0, 1.0), chord=(0.0, 1.0))]
+    forces = [
+        flight_loads(replace(FLY, chord_table=table), stroke(), stroke(), still_air()).left.terms["translational"].force
+        for table in tables
+    ]
+    assert np.allclose(forces[1] / (1 / 2), forces[0] / (1 / 3), rtol=1e-12, atol=1e-12 * FLY.weight)

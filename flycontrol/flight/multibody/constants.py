@@ -12,7 +12,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from flycontrol.flight.blades import beta_blades, table_blades
+from flycontrol.flight.blades import planform_blades
 from flycontrol.flight.coefficient_series import coefficient_series
 from flycontrol.flight.flapping_fly import FlappingFly
 from flycontrol.flight.kernels.march import DAMPING, FREED, REST, STIFFNESS
@@ -104,19 +104,12 @@ def blade_rows(morphology: Morphology, air: QuasiSteadyModel) -> FloatArray:
     Blades without area fill up the last group of four, which is computed at once: six cost less so than with two alone.
     """
     plan = morphology.planform
-    radius = _nodes(plan, air.nodes)
+    radius = planform_blades(plan, air.nodes).radius
     steady = 0.5 * air.air_density * ("translational" in air.terms)
     rotating = air.air_density * air.rotation(morphology.pitch_axis) * ("rotational" in air.terms)
     once, square, cube = (_weights(plan, radius, power) for power in (1, 2, 3))
     rows = np.array([radius, steady * once, steady * square, rotating * cube])
     return np.ascontiguousarray(np.pad(rows, ((0, 0), (0, -len(radius) % _LANES))))
-
-
-def _nodes(plan: Planform, count: int) -> FloatArray:
-    if plan.table is None:
-        return beta_blades(plan.length, plan.mean_chord, plan.second_moment_radius, count).radius
-    span, chord = np.array(plan.table.span), np.array(plan.table.chord)
-    return table_blades(span, chord, plan.length, plan.length * plan.mean_chord, count).radius
 
 
 def _weights(plan: Planform, radius: FloatArray, chord_power: int) -> FloatArray:
