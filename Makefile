@@ -29,6 +29,7 @@ reports: report
 	$(BIN)/python analyses/nominal_gains.py
 	$(BIN)/python analyses/pade_or_exact.py
 	$(BIN)/python analyses/p_or_pd.py
+	$(BIN)/python analyses/does_hover_hold.py
 	$(BIN)/python analyses/flutter_or_tumble.py
 	[ ! -d $(DATA)/robofly_polars ] || $(BIN)/python analyses/wings_against_nature.py
 	for flight in $(FLIGHTS); do $(BIN)/flycontrol report --parameters drosophila_hydei --mapping muijres_freeflight \
