@@ -175,8 +175,8 @@ def _second_moment_radius(table: MorphologyTable, shape: WingShape | None, read:
 
 def _shape(table: PlanformTable, length: float, folder: Path, read: QuantityReader) -> WingShape:
     read.account(Entry(value=None, source=table.source, certainty=table.certainty, note=table.note), "planform")
-    lists = table.span is not None or table.chord is not None
-    if lists == (table.file is not None) or (table.file is None) != (table.format is None):
+    given = [key for key in ("span", "chord", "file", "format") if getattr(table, key) is not None]
+    if given not in (["span", "chord"], ["file", "format"]):
         raise read.refusal("planform", "needs either span and chord, two lists of equal length, or file and format")
     if table.file is not None and table.format is not None:
         size = 1.0

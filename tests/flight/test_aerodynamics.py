@@ -183,7 +183,7 @@ def test_unknown_coefficients_and_unequal_lengths_are_refused_in_a_sentence():
 
 
 def test_the_air_sees_the_chords_of_a_table():
-    """About a fixed hinge all blades move alike, so translation's force is as the integral of c r^2: area times r2^2."""
+    """About a fixed hinge all blades move alike: translation's force is as the integral of c r^2, area times r2^2."""
     tables = [ChordTable(span=(0.0, 1.0), chord=(1.0, 1.0)), ChordTable(span=(0.0, 1.0), chord=(0.0, 1.0))]
     forces = [
         flight_loads(replace(FLY, chord_table=table), stroke(), stroke(), still_air()).left.terms["translational"].force

@@ -158,7 +158,7 @@ WING = wing("2.4 ug", (1.27, -0.19), (2.2e-16, 4.7e-15, 4.9e-15, 6e-16))
         ('inertia = ["-1e-13 kg m^2", "1e-13 kg m^2", "1e-13 kg m^2"]', "positive principal moments"),
         ('inertia = ["1e-7 kg m^2", "1e-7 kg m^2", "1e-7 kg m^2"]', "radius of gyration of 126 wing lengths"),
         ('inertia = "1e-13 kg m^2"', "three moments, or three rows of three values, are needed"),
-        ("planform = { span = [0.0, 1.0] }", "planform"),
+        ("planform = { span = [0.0, 1.0] }", "needs either span and chord"),
         ("planform = { span = [0.0, 1.0], chord = [1.0, inf] }", "must be finite and >= 0"),
         ("planform = { span = [0.0, 0.9], chord = [1.0, 1.0] }", "rise from 0 at the hinge to 1 at the tip"),
         ('planform = { span = [0.0, "1"], chord = [1.0, 1.0] }', "planform.span.1 is '1'"),
