@@ -70,7 +70,7 @@ class Camera:
         """(3,) centre of projection [m]; InvalidParameterError for an orthographic camera, whose is at infinity."""
         if self.orthographic:
             raise InvalidParameterError(f"{self.name} is orthographic and has no centre; use its direction.")
-        return np.linalg.solve(self.matrix[:, :3], -self.matrix[:, 3])
+        return np.asarray(np.linalg.solve(self.matrix[:, :3], -self.matrix[:, 3]), dtype=np.float64)
 
     @property
     def ideal(self) -> Camera:

@@ -1,0 +1,1 @@
+"""Vision: from silhouettes of a fly to its visual hull and its motion."""
