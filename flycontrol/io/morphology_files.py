@@ -31,6 +31,7 @@ from flycontrol.model.wing_outline import WingShape
 
 _HINGE, _LONGEST_ARM = 2.0, 10.0  # largest plausible hinge offset and radius of gyration, in wing lengths
 _SHORTEST_ARM = 0.01
+_LONGEST_CHAIN = 20  # of files that start from one another
 
 
 def read_morphology(path: Path | str) -> SourcedMorphology:
@@ -50,7 +51,7 @@ def read_morphology(path: Path | str) -> SourcedMorphology:
         return published_morphology(str(path))
     if Path(path).name == str(path) and not Path(path).suffix and not Path(path).exists():
         raise InvalidInputError(f"{path}: no fly of that name is published here; there are {', '.join(PUBLISHED)}.")
-    return morphology_in(read_toml_file(Path(path)))
+    return _read_from(Path(path), ())
 
 
 def morphology_in(toml: TomlFile, within: str = "", folder: Path | None = None) -> SourcedMorphology:
@@ -70,24 +71,35 @@ def morphology_in(toml: TomlFile, within: str = "", folder: Path | None = None) 
     InvalidInputError
         As `read_morphology`, with file and line.
     """
+    return _described(toml, within, folder_of(toml, folder), ())
+
+
+def _read_from(path: Path, begun: tuple[Path, ...]) -> SourcedMorphology:
+    """Read a file that the files in `begun` start from."""
+    return _described(read_toml_file(path), "", path.parent, (*begun, path))
+
+
+def _described(toml: TomlFile, within: str, folder: Path, begun: tuple[Path, ...]) -> SourcedMorphology:
     read = QuantityReader(toml, within)
-    table = structured(MorphologyTable, _completed(table_at(toml, within), read, folder_of(toml, folder)), toml, within)
+    table = structured(MorphologyTable, _completed(table_at(toml, within), read, folder, begun), toml, within)
     return SourcedMorphology(
-        morphology=_morphology(table, read, folder_of(toml, folder)),
+        morphology=_morphology(table, read, folder),
         provenance=read.provenance,
         file=toml.file.name,
         sha256=toml.file.sha256,
     )
 
 
-def _completed(given: dict[str, Any], read: QuantityReader, folder: Path) -> dict[str, Any]:
+def _completed(given: dict[str, Any], read: QuantityReader, folder: Path, begun: tuple[Path, ...]) -> dict[str, Any]:
     """Lay a table over that of the fly it starts from."""
     if "fly" not in given:
         return given
     fly = given["fly"]
     if not isinstance(fly, str):
         raise read.refusal("fly", f"is {fly!r}; the name of a published fly or of a morphology file is needed")
-    start = read_morphology(fly if fly in PUBLISHED else folder / fly)
+    if folder / fly in begun or len(begun) > _LONGEST_CHAIN:
+        raise read.refusal("fly", f"is {fly!r}, which starts from this file; flies must not start from one another")
+    start = published_morphology(fly) if fly in PUBLISHED else _read_from(folder / fly, begun)
     base = tomllib.loads(morphology_text(start))
     changes = {key: value for key, value in given.items() if key != "fly"}
     both = {"right_hinge", "inertia"} <= set(changes)

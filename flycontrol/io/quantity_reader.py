@@ -10,6 +10,8 @@ from flycontrol.io.quantities import NUMBER, Kind, read_quantity
 from flycontrol.io.toml_files import TomlFile
 from flycontrol.model.provenance import Provenance
 
+_LARGEST = 1e300
+
 
 @dataclass(frozen=True, slots=True)
 class QuantityReader:
@@ -70,7 +72,7 @@ class QuantityReader:
     def _si(self, written: object, kind: Kind, key: str) -> float:
         if kind is not NUMBER:
             return read_quantity(written, kind, key=self.full(key), where=self.where(key)).value
-        if isinstance(written, bool) or not isinstance(written, int | float) or not abs(written) < float("inf"):
+        if isinstance(written, bool) or not isinstance(written, int | float) or not abs(written) < _LARGEST:
             raise self.refusal(key, f"is {written!r}; a finite number without unit such as {kind.example} is needed")
         return float(written)
 

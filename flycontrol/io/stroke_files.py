@@ -122,9 +122,9 @@ class _StrokeSource:
         path = ".".join(filter(None, (self.within, key)))
         read = QuantityReader(self.toml, path)
         kind = written.get("kind")
-        if kind not in _KINDS:
+        if not isinstance(kind, str) or kind not in _KINDS:
             raise read.refusal("kind", f"is {kind!r}; one of {_listed(_KINDS)} is needed")
-        table = structured(_KINDS[str(kind)], written, self.toml, path)
+        table = structured(_KINDS[kind], written, self.toml, path)
         try:
             return self._made(table, read)
         except InvalidInputError:

@@ -34,6 +34,8 @@ def read_text_file(path: Path) -> TextFile:
         raise InvalidInputError(f"{path}: there is no such file.") from error
     except OSError as error:
         raise InvalidInputError(f"{path} cannot be read: {error.strerror or error}.") from error
+    except ValueError as error:  # a zero byte in its name
+        raise InvalidInputError(f"{str(path)!r} cannot be read: {error}.") from error
     return text_file(str(path), data)
 
 

@@ -1,4 +1,5 @@
 import re
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -9,12 +10,13 @@ from hypothesis import strategies as st
 
 from flycontrol.errors import InvalidInputError, InvalidParameterError
 from flycontrol.io.morphology_files import morphology_in, read_morphology
+from flycontrol.io.morphology_tables import MorphologyTable, WingTable
 from flycontrol.io.morphology_text import morphology_text, write_morphology
 from flycontrol.io.published_flies import PUBLISHED
 from flycontrol.io.quantities import KINDS, NUMBER, read_quantity
 from flycontrol.io.quantity_text import quantity_text
 from flycontrol.io.text_files import text_file
-from flycontrol.io.toml_files import parse_toml
+from flycontrol.io.toml_files import TomlFile, parse_toml
 from flycontrol.model.morphology import drosophila_hydei, pitch_rotation
 from flycontrol.model.planform import ChordTable
 from flycontrol.model.provenance import SourcedMorphology
@@ -103,6 +105,22 @@ def test_a_table_starts_from_a_file_beside_it(tmp_path):
     write_morphology(drosophila_hydei(), tmp_path / "mine.toml")
     (tmp_path / "heavy.toml").write_text('fly = "mine.toml"\nmass = "2 mg"')
     assert read_morphology(tmp_path / "heavy.toml").morphology == replace(drosophila_hydei(), mass=2e-6)
+
+
+def test_flies_that_start_from_one_another_are_refused(tmp_path):
+    (tmp_path / "a.toml").write_text('fly = "b.toml"')
+    (tmp_path / "b.toml").write_text('fly = "./a.toml"')
+    with pytest.raises(InvalidInputError, match="must not start from one another"):
+        read_morphology(tmp_path / "a.toml")
+    (tmp_path / "c.toml").write_text('fly = "../' + tmp_path.name + '/c.toml"')
+    with pytest.raises(InvalidInputError, match="must not start from one another"):
+        read_morphology(tmp_path / "c.toml")
+
+
+def test_names_that_no_file_has_are_refused(tmp_path):
+    for name in ("", ".", "a\0b", "x" * 900):
+        with pytest.raises(InvalidInputError):
+            morphology_in(TomlFile(text_file("fly.toml", b"x"), {"fly": name}), folder=tmp_path)
 
 
 def test_three_moments_are_a_diagonal_inertia():
@@ -214,3 +232,24 @@ def test_impossible_values_are_refused_by_the_type_itself():
     ):
         with pytest.raises(InvalidParameterError):
             replace(fly, **change)
+
+
+anything = st.recursive(
+    st.none() | st.booleans() | st.floats() | st.integers() | st.sampled_from(["3 deg", "1 mm", "1 mg", "", "body"]),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.sampled_from(["value", "span", "file"]), inner),
+    max_leaves=6,
+)
+
+
+@given(st.sampled_from(["fly", *MorphologyTable.model_fields]), anything)
+def test_no_value_crashes_the_reader(key, value):
+    with suppress(InvalidInputError):
+        morphology_in(TomlFile(text_file("fly.toml", b"x"), {"fly": "drosophila_hydei"} | {key: value}))
+
+
+@given(st.sampled_from(list(WingTable.model_fields)), anything)
+def test_no_value_of_a_wing_crashes_the_reader(key, value):
+    wing_table = parse_toml(text_file("fly.toml", WING.encode())).data["wing"]
+    data = {"fly": "drosophila_melanogaster", "wing": wing_table | {key: value}}
+    with suppress(InvalidInputError):
+        morphology_in(TomlFile(text_file("fly.toml", b"x"), data))

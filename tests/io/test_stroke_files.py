@@ -1,21 +1,23 @@
 import json
+from contextlib import suppress
 from dataclasses import fields
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
 
 from flycontrol.errors import InvalidInputError, InvalidParameterError
-from flycontrol.io.quantities import ANGLE
-from flycontrol.io.quantity_text import quantity_text
 from flycontrol.io.series_conventions import CONVENTIONS, AngleSeries, SeriesConvention
 from flycontrol.io.series_files import read_series_file
 from flycontrol.io.stroke_files import read_stroke, stroke_in
+from flycontrol.io.stroke_tables import BermanWangTable, SamplesTable
+from flycontrol.io.stroke_text import stroke_text
 from flycontrol.io.text_files import text_file
-from flycontrol.io.toml_files import parse_toml
-from flycontrol.model.stroke_kinematics import hover_stroke
-from flycontrol.model.wing_stroke import BermanWangStroke, ModulatedStroke, Modulation
+from flycontrol.io.toml_files import TomlFile, parse_toml
+from flycontrol.model.stroke_kinematics import StrokeKinematics, hover_stroke
+from flycontrol.model.wing_stroke import BermanWangStroke, FourierStroke, ModulatedStroke, Modulation
 from flycontrol.units import deg
 
 HOVER = """\
@@ -77,13 +79,29 @@ angles = st.floats(-3.0, 3.0)
     )
 )
 def test_every_stroke_of_the_family_is_read_as_it_is_written(stroke):
-    lines = []
-    for field in fields(stroke):
-        value = getattr(stroke, field.name)
-        plain = field.name.endswith(("_shape", "_order"))
-        lines.append(f"{field.name} = {value!r}" if plain else f'{field.name} = "{quantity_text(value, ANGLE, "deg")}"')
-    kinematics = read('frequency = "220 Hz"\n[both]\nkind = "Berman and Wang"\n' + "\n".join(lines))
-    assert kinematics.left == kinematics.right == stroke
+    kinematics = StrokeKinematics.symmetric(stroke, 220.0)
+    assert read(stroke_text(kinematics)) == kinematics
+
+
+rows = arrays(np.float64, (3, 5), elements=st.floats(-3.0, 3.0))
+
+
+@given(rows, rows)
+def test_every_series_is_read_as_it_is_written(cosine, sine):
+    sine[:, 0] = 0.0
+    written = StrokeKinematics(
+        frequency=187.3, left=FourierStroke(cosine=cosine, sine=sine), right=FourierStroke(cosine=sine, sine=sine)
+    )
+    again = read(stroke_text(written))
+    assert again.frequency == written.frequency
+    for side in ("left", "right"):
+        assert np.array_equal(again.wing(side).cosine, written.wing(side).cosine)
+        assert np.array_equal(again.wing(side).sine, written.wing(side).sine)
+
+
+def test_a_modulated_stroke_is_not_written():
+    with pytest.raises(InvalidInputError, match="ModulatedStroke is not written as TOML"):
+        stroke_text(hover_stroke().modulated(Modulation(), Modulation(stroke_gain=0.1)))
 
 
 def test_a_fourier_series_is_its_formula():
@@ -378,3 +396,46 @@ def test_files_of_series_that_mean_something_else_are_refused(tmp_path, content,
 def test_a_ramp_runs_forward():
     with pytest.raises(InvalidParameterError, match="must end after it starts"):
         ModulatedStroke(stroke=hover_stroke().left, ramp=(1.0, 1.0))
+
+
+anything = st.recursive(
+    st.none() | st.booleans() | st.floats() | st.integers() | st.sampled_from(["3 deg", "1 mm", "", "both", "Fourier"]),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.sampled_from(["value", "mean", "kind"]), inner),
+    max_leaves=4,
+)
+KEYS = ["frequency", "both", "left", "right", "modulation", "kind", "file", "stroke", "pitch", "ramp", "wing", "phase"]
+
+
+@given(st.dictionaries(st.sampled_from(KEYS), anything | st.dictionaries(st.sampled_from(KEYS), anything)))
+def test_no_table_crashes_the_reader(data):
+    toml = TomlFile(text_file("stroke.toml", b"x"), {"frequency": "220 Hz"} | data)
+    with pytest.raises(InvalidInputError, match=r"stroke\.toml"):
+        stroke_in(toml)
+
+
+@given(st.sampled_from(list(BermanWangTable.model_fields)), anything)
+def test_no_value_of_the_family_crashes_the_reader(key, value):
+    table = {"kind": "Berman and Wang", "stroke_amplitude": "70 deg"} | {key: value}
+    with suppress(InvalidInputError):
+        stroke_in(TomlFile(text_file("stroke.toml", b"x"), {"frequency": "220 Hz", "both": table}))
+
+
+@given(st.sampled_from(list(SamplesTable.model_fields)), anything | st.just({"column": 0, "unit": "deg"}))
+def test_no_value_of_samples_crashes_the_reader(tmp_path_factory, key, value):
+    folder = tmp_path_factory.getbasetemp()
+    wingbeat_file(folder / "wing.csv", np.arange(20) / 20)
+    table = parsed(SAMPLES).data["both"] | {key: value}
+    with suppress(InvalidInputError):
+        stroke_in(TomlFile(text_file("stroke.toml", b"x"), {"frequency": "220 Hz", "both": table}), folder=folder)
+
+
+@pytest.mark.parametrize("value", [10**400, -(10**400), float("nan"), float("inf")])
+def test_numbers_beyond_all_numbers_are_refused(value):
+    for key in ("stroke_shape", "deviation_order"):
+        table = {"kind": "Berman and Wang", "stroke_amplitude": "70 deg", key: value}
+        with pytest.raises(InvalidInputError, match=key):
+            stroke_in(TomlFile(text_file("stroke.toml", b"x"), {"frequency": "220 Hz", "both": table}))
+    ramp = {"wing": "left", "stroke_gain": 0.1, "ramp": [0.0, value]}
+    toml = parsed(HOVER)
+    with pytest.raises(InvalidInputError, match="ramp"):
+        stroke_in(TomlFile(toml.file, toml.data | {"modulation": [ramp]}))
