@@ -59,7 +59,7 @@ def test_only_jobs_knows_dask():
 
 
 def test_only_the_process_that_opens_binary_files_knows_their_libraries():
-    """They crash on damaged files; where they are imported, a crash takes the command with it."""
+    """They crash on damaged files; where they are imported, a crash takes the command with it. New files are whole."""
     for library in ("h5py", "pyarrow", "netCDF4"):
         for path in MODULES:
             assert not knows(path, library) or path.relative_to(PACKAGE).parts[:2] == ("io", "binary"), path

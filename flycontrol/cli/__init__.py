@@ -10,6 +10,7 @@ import typer
 from flycontrol.cli.example import example
 from flycontrol.cli.fit import fit
 from flycontrol.cli.report import parameters, report
+from flycontrol.cli.simulate import experiment, simulate
 from flycontrol.cli.terminal import WorkInterruptedError, say
 from flycontrol.errors import FlycontrolError
 
@@ -71,3 +72,5 @@ app.command()(parameters)
 app.command()(report)
 app.command()(example)
 app.command()(fit)
+app.command()(experiment)
+app.command()(simulate)

@@ -39,6 +39,7 @@ hertz = 1 / second = Hz
 newton = kilogram meter / second ** 2 = N
 joule = newton meter = J
 watt = joule / second = W
+wingbeat = [wingbeats]
 ampere = [current] = A
 volt = watt / ampere = V
 pascal = newton / meter ** 2 = Pa
@@ -60,6 +61,7 @@ FREQUENCY = Kind("a frequency", "1/s", "220 Hz")
 LENGTH = Kind("a length", "m", "2.4 mm")
 AREA = Kind("an area", "m^2", "1.75 mm^2")
 MASS = Kind("a mass", "kg", "1.1 mg")
+DENSITY = Kind("a density", "kg/m^3", "1.19 kg/m^3")
 ANGLE = Kind("an angle", "rad", "20 deg")
 VELOCITY = Kind("a velocity", "m/s", "250 mm/s")
 ANGULAR_VELOCITY = Kind("an angular velocity", "rad/s", "30 rad/s")
@@ -72,11 +74,12 @@ TORQUE_PER_RATE = Kind("a torque per angular velocity", "N m s/rad", "1.4e-11 N 
 ANGULAR_ACCELERATION = Kind("an angular acceleration", "rad/s^2", "200 rad/s^2")
 CURRENT = Kind("a current", "A", "50 mA")
 VOLTAGE = Kind("a voltage", "V", "2 V")
+WINGBEATS = Kind("a time in wingbeats", "wingbeat", "2 wingbeats")
 NUMBER = Kind("a number without unit", "1", "0.58")
 
 KINDS = (
-    *(TIME, FREQUENCY, LENGTH, AREA, MASS, ANGLE, VELOCITY, ANGULAR_VELOCITY, RATE_SQUARED, INERTIA, DAMPING),
-    *(TORQUE, STIFFNESS, TORQUE_PER_RATE, ANGULAR_ACCELERATION, CURRENT, VOLTAGE, NUMBER),
+    *(TIME, FREQUENCY, LENGTH, AREA, MASS, DENSITY, ANGLE, VELOCITY, ANGULAR_VELOCITY, RATE_SQUARED, INERTIA, DAMPING),
+    *(TORQUE, STIFFNESS, TORQUE_PER_RATE, ANGULAR_ACCELERATION, CURRENT, VOLTAGE, WINGBEATS, NUMBER),
 )
 
 

@@ -6,7 +6,7 @@ import contextlib
 import os
 import secrets
 import shutil
-from collections.abc import Mapping
+from collections.abc import Generator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -51,7 +51,30 @@ def require_writable_folder(path: Path) -> None:
         raise OutputError(f"{path}: no file can be created in {parent} ({_reason(error)}).") from error
 
 
-def write_files_atomically(folder: Path, files: Mapping[str, str | bytes]) -> tuple[Path, ...]:
+@contextlib.contextmanager
+def temporary_file(folder: Path, name: str) -> Generator[Path]:
+    """Name a hidden file in a folder for what is too long for memory; `write_files_atomically` takes it over.
+
+    The folder is created; at the end the file is removed, unless it was taken over, and folders that are empty again.
+
+    Raises
+    ------
+    OutputError
+        If the folder cannot be created.
+    """
+    created = _create_folder(folder)
+    path = _sibling(folder / name)
+    try:
+        yield path
+    finally:
+        with contextlib.suppress(OSError):
+            path.unlink(missing_ok=True)
+        for empty in created:
+            with contextlib.suppress(OSError):
+                empty.rmdir()
+
+
+def write_files_atomically(folder: Path, files: Mapping[str, str | bytes | Path]) -> tuple[Path, ...]:
     """Write all files or none: on any failure earlier versions stay as they were and no temporary file remains.
 
     All contents are written and flushed to the disk under temporary names in the same folder; only then the files are
@@ -62,7 +85,8 @@ def write_files_atomically(folder: Path, files: Mapping[str, str | bytes]) -> tu
     folder
         Where the files go; created with its parents if it does not exist.
     files
-        File names (plain names, no folders) and their contents; text is written as UTF-8.
+        File names (plain names, no folders) and their contents; text is written as UTF-8, and a path is a finished file
+        in the same folder, which takes the name.
 
     Returns
     -------
@@ -98,8 +122,15 @@ def _create_folder(folder: Path) -> list[Path]:
     return missing
 
 
-def _write_all(contents: list[tuple[Path, str | bytes]]) -> None:
-    writes = [_Write(path, _sibling(path), _sibling(path) if os.path.lexists(path) else None) for path, _ in contents]
+def _write_all(contents: list[tuple[Path, str | bytes | Path]]) -> None:
+    writes = [
+        _Write(
+            path,
+            content if isinstance(content, Path) else _sibling(path),
+            _sibling(path) if os.path.lexists(path) else None,
+        )
+        for path, content in contents
+    ]
     begun: list[_Write] = []
     stuck: list[_Write] = []
     current = Path()
@@ -121,13 +152,13 @@ def _write_all(contents: list[tuple[Path, str | bytes]]) -> None:
     _flush_folders({write.target.parent for write in writes})
 
 
-def _prepare(write: _Write, content: str | bytes) -> None:
+def _prepare(write: _Write, content: str | bytes | Path) -> None:
     """Put the content on the disk under the temporary name, and a second name on what it will replace."""
-    data = content.encode() if isinstance(content, str) else content
-    with write.temporary.open("xb") as file:
-        file.write(data)
-        file.flush()
-        os.fsync(file.fileno())
+    if not isinstance(content, Path):
+        with write.temporary.open("xb") as file:
+            file.write(content.encode() if isinstance(content, str) else content)
+            file.flush()
+            os.fsync(file.fileno())
     if write.earlier is not None:
         try:
             write.earlier.hardlink_to(write.target)

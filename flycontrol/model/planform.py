@@ -66,6 +66,13 @@ class Planform:
         """[m]; of a beta distribution without bound, that of the nodes."""
         return float(np.max(self._chord))
 
+    def chord(self, fraction: FloatArray) -> FloatArray:
+        """Chord at fractions (N,) of the wing length, between 0 and 1 [m]."""
+        if self.table is None:
+            return self.mean_chord * beta_chord(fraction, self.second_moment_radius)
+        x, width = _between_rows(self.table)
+        return _table_chord(fraction, self.table) * (self.mean_chord / np.sum(_table_chord(x, self.table) * width))
+
     def moment(self, chord_power: int, radius_power: int = 0) -> float:
         """Integral of c^m r^n dr over the span [m^(m + n + 1)]."""
         return float(np.sum(self._chord**chord_power * self._radius**radius_power * self._width))

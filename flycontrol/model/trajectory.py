@@ -86,6 +86,17 @@ class Trajectory:
         ahead = rotation_matrices(self.q_WS)[:, :, 0]
         return np.unwrap(np.arctan2(-ahead[:, 1], ahead[:, 0]))
 
+    @property
+    def nose_up(self) -> FloatArray:
+        """(N,) elevation of the stroke plane's forward axis above the horizon [rad]."""
+        return np.arcsin(np.clip(rotation_matrices(self.q_WS)[:, 2, 0], -1.0, 1.0))
+
+    @property
+    def roll(self) -> FloatArray:
+        """(N,) turn about the stroke plane's forward axis, > 0 right side down, unwrapped [rad]."""
+        down = rotation_matrices(self.q_WS)[:, 2]
+        return np.unwrap(np.arctan2(-down[:, 1], -down[:, 2]))
+
     def wing(self, side: Side) -> WingMotion:
         """Motion of one wing."""
         return self.left if side == "left" else self.right

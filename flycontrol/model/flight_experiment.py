@@ -1,0 +1,184 @@
+"""A flight experiment as a value: the fly, how it beats its wings, what may move, and what is done to it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flycontrol.errors import InvalidInputError, InvalidParameterError
+from flycontrol.model.morphology import Morphology
+from flycontrol.model.steered_stroke import SteeredStroke, StrokeChange
+from flycontrol.model.stroke import Side
+from flycontrol.model.stroke_kinematics import StrokeKinematics
+from flycontrol.model.wing_stroke import Modulation
+from flycontrol.units import ms
+
+FloatArray = NDArray[np.float64]
+Vector = tuple[float, float, float]
+Freedom = Literal["forward", "sideways", "down", "roll", "pitch", "yaw"]
+SIDES: tuple[Side, Side] = ("left", "right")
+FREEDOMS: tuple[Freedom, ...] = get_args(Freedom)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SpringJoint:
+    """Tau = -kappa (x - x_0) - C x'."""
+
+    stiffness: float  #: kappa [N m/rad]
+    damping: float = 0.0  #: C [N m s/rad]
+    rest_angle: float = np.pi / 2  #: x_0 [rad]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TorqueJoint:
+    """Tau(p) = mean + amplitude cos(2 pi p + lead), p the phase [wingbeats]."""
+
+    amplitude: float  #: [N m]
+    mean: float = 0.0  #: [N m]
+    lead: float = 0.0  #: [rad]
+
+    def __call__(self, phase: FloatArray) -> FloatArray:
+        """Torque at phases (N,) [N m]."""
+        return self.mean + self.amplitude * np.cos(2 * np.pi * phase + self.lead)
+
+
+Joint = SpringJoint | TorqueJoint | None  #: None: prescribed by the stroke
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WingJoints:
+    """What moves the three angles of one wing."""
+
+    stroke: Joint = None
+    deviation: Joint = None
+    pitch: Joint = None
+
+    @property
+    def prescribed(self) -> bool:
+        """Whether the stroke prescribes all three."""
+        return self.stroke is None and self.deviation is None and self.pitch is None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlightTime:
+    """A time in seconds and wingbeats: a trim may change how long a wingbeat is."""
+
+    seconds: float = 0.0  #: [s]
+    wingbeats: float = 0.0  #: [wingbeats]
+
+    def at(self, frequency: float) -> float:
+        """In seconds, at a wingbeat frequency [1/s]."""
+        return self.seconds + self.wingbeats / frequency
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TorquePulse:
+    """A constant torque on the body for a while."""
+
+    onset: FlightTime
+    duration: FlightTime
+    torque_S: Vector  #: about forward, right, down of the stroke-plane frame; [2] > 0 turns right [N m]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Steering:
+    """A change of both wings' strokes that comes with its onset and stays."""
+
+    onset: FlightTime
+    over: FlightTime  #: how long it takes to come
+    left: Modulation
+    right: Modulation
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Air:
+    """What the air does."""
+
+    terms: tuple[str, ...] = ("translational", "rotational", "added_mass", "dissipative")
+    coefficients: str = "dickinson1999"
+    density: float = 1.19  #: [kg/m^3]
+    nodes: int = 6  #: blades a wing
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Spread:
+    """Standard deviations of what is drawn for each flight of an ensemble, normal about the experiment's values."""
+
+    mass: float = 0.0  #: relative, inertia with it
+    wing_length: float = 0.0  #: relative, mean chord with it
+    stroke_amplitude: float = 0.0  #: relative
+    stroke_offset: float = 0.0  #: [rad]
+    deviation_offset: float = 0.0  #: [rad]
+    pitch_offset: float = 0.0  #: of each wing on its own, d_alpha on the forward stroke [rad]
+    torque: float = 0.0  #: of pulses, relative
+    onset: float = 0.0  #: of pulses [s]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ensemble:
+    """Many flights of one experiment, each drawn anew."""
+
+    flights: int
+    seed: int
+    spread: Spread
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlightExperiment:
+    """All that a simulated flight depends on."""
+
+    name: str
+    morphology: Morphology
+    stroke: StrokeKinematics  #: unsteered, as it is to be flown, or where the trim begins
+    trim: tuple[str, ...]  #: three parameters that are moved until the fly hovers; none: the stroke stays as it is
+    wingbeats: int
+    free: tuple[Freedom, ...] = FREEDOMS  #: what may move of the body; the rest is held
+    left: WingJoints = WingJoints()
+    right: WingJoints = WingJoints()
+    pulses: tuple[TorquePulse, ...] = ()
+    steering: tuple[Steering, ...] = ()
+    air: Air = Air()
+    steps: int = 200  #: a wingbeat
+    samples: int = 50  #: a wingbeat
+    tolerance: float = 1e-3  #: of the error of a wingbeat [rad]
+    ensemble: Ensemble | None = None
+    file: str = ""  #: name of the file that it was read from
+    sha256: str = ""  #: of the file's bytes
+
+    def __post_init__(self) -> None:
+        if not self.wingbeats >= 1:
+            raise InvalidParameterError(f"A flight needs at least one wingbeat, got {self.wingbeats!r}.")
+        if self.trim and not (self.left.prescribed and self.right.prescribed):
+            raise InvalidInputError("Only prescribed wings are trimmed; take hinges out, or say trim = [].")
+        refuse_pulses_outside(self.pulses, self.wingbeats, self.stroke.frequency)
+
+    def steered(self, stroke: StrokeKinematics) -> StrokeKinematics:
+        """A stroke, once trimmed, with the experiment's steering."""
+        if not self.steering:
+            return stroke
+        wings = {side: SteeredStroke(stroke=stroke.wing(side), changes=self._changes(side, stroke)) for side in SIDES}
+        return replace(stroke, left=wings["left"], right=wings["right"])
+
+    def _changes(self, side: Side, stroke: StrokeKinematics) -> tuple[StrokeChange, ...]:
+        found: list[StrokeChange] = []
+        for each in self.steering:
+            start, over = (stroke.frequency * time.at(stroke.frequency) for time in (each.onset, each.over))
+            change = each.left if side == "left" else each.right
+            found.append(StrokeChange(change=change, start=start, end=start + over))
+        return tuple(found)
+
+
+def refuse_pulses_outside(pulses: Sequence[TorquePulse], wingbeats: int, frequency: float) -> None:
+    """InvalidInputError where a pulse lies outside a flight of so many wingbeats at a frequency [1/s]."""
+    end = wingbeats / frequency
+    for pulse in pulses:
+        start, duration = pulse.onset.at(frequency), pulse.duration.at(frequency)
+        if not (start >= 0 and start < end):
+            raise InvalidInputError(
+                f"A pulse from {start / ms:.6g} to {(start + duration) / ms:.6g} ms lies outside the flight of "
+                f"{wingbeats} wingbeats, 0 to {end / ms:.6g} ms; move it, or fly on."
+            )

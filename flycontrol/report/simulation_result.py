@@ -1,0 +1,214 @@
+"""result.json of a simulated flight; `FIELDS` says what each field holds."""
+
+from __future__ import annotations
+
+import json
+import platform
+from dataclasses import dataclass
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+
+from flycontrol.flight.flight_record import FlightRecord
+from flycontrol.flight.quasi_steady import TERMS
+from flycontrol.model.flight_experiment import FlightExperiment
+from flycontrol.report.result import finite
+from flycontrol.units import deg, mm, ms
+
+_MADE_WITH = ("flycontrol", "numpy", "scipy", "numba", "matplotlib", "h5py", "pillow")
+
+FIELDS: dict[str, str] = {
+    "name": "of the experiment",
+    "status": "complete, or a sentence that says at which wingbeat the flight stopped and why",
+    "wingbeats": "whole ones flown",
+    "fly.species": "of the morphology",
+    "fly.mass_mg": "whole fly, wings included",
+    "fly.wing_length_mm": "hinge to tip",
+    "fly.mean_chord_mm": "area of one wing over its length",
+    "fly.stroke_plane_angle_deg": "of the stroke plane from the body's long axis",
+    "fly.inertia_kg_m2[][]": "of the body without wings about its centre of mass, stroke-plane frame",
+    "stroke.frequency_hz": "wingbeats a second, trimmed where a trim moved it",
+    "stroke.trimmed.*": "what the trim moved, in SI units and radians",
+    "trim.status": "a sentence; null: not trimmed",
+    "trim.forward_weights": "net mean force that is left, over the weight",
+    "trim.down_weights": "likewise",
+    "trim.pitch_weights_wing_lengths": "net mean pitch torque that is left, over weight times wing length",
+    "body_free[]": "what may move of the body",
+    "air.terms[]": "of the quasi-steady model",
+    "air.coefficients": "of lift and drag, by name",
+    "air.density_kg_m3": "of the air",
+    "pulses[].start_ms": "of a torque from outside",
+    "pulses[].duration_ms": "likewise",
+    "pulses[].torque_n_m[]": "about forward, right, down of the stroke-plane frame",
+    "settings.steps": "Runge-Kutta steps a wingbeat",
+    "settings.samples": "stored instants a wingbeat",
+    "settings.nodes": "blades a wing",
+    "error.step.*": "of one wingbeat, by repeating it with half the steps: m, m/s, rad, rad/s, rad",
+    "error.quadrature.*": "of the load, blades against many: over weight, and weight times wing length",
+    "mean.force_weights.*[]": "by term, forward, right, down in the stroke plane, over all wingbeats, over the weight",
+    "mean.torque_n_m.*[]": "by term, roll, pitch, yaw, likewise",
+    "mean.lift_weights.*": "by term, upward in the world, likewise",
+    "mean.lift_weights.all": "of all terms",
+    "mean.power_uw": "of both hinges",
+    "mean.power_w_per_kg": "over the fly's mass",
+    "yaw.peak_deg": "farthest from the heading at the beginning, to the right",
+    "yaw.peak_time_ms": "when",
+    "yaw.peak_rate_rad_per_s": "fastest mean of a wingbeat about the stroke-plane normal",
+    "end.time_ms": "last instant",
+    "end.position_mm[]": "ahead, left, up in the world",
+    "end.heading_deg": "to the right",
+    "end.nose_up_deg": "of the stroke plane",
+    "end.roll_deg": "right side down",
+    "end.velocity_m_per_s[]": "forward, right, down of the stroke-plane frame",
+    "beats.phase[]": "middle of each wingbeat, evenly thinned where there are thousands",
+    "beats.lift_weights[]": "upward force of the air in the world",
+    "beats.yaw_rate_rad_per_s[]": "mean about the stroke-plane normal",
+    "beats.power_uw[]": "of both hinges",
+    "files.*": "what lies beside this file",
+    "provenance.command": "that made this report",
+    "provenance.experiment": "name of the experiment's file",
+    "provenance.experiment_sha256": "of its bytes",
+    "provenance.versions.*": "of Python and the packages that computed",
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlightProvenance:
+    """Command, input by hash, versions: no clock, no machine, no user."""
+
+    command: str
+    experiment: str
+    sha256: str
+    versions: dict[str, str]
+
+
+def flight_provenance(experiment: FlightExperiment, command: str) -> FlightProvenance:
+    """Gather it."""
+    return FlightProvenance(
+        command=command,
+        experiment=experiment.file,
+        sha256=experiment.sha256,
+        versions={"Python": platform.python_version()} | {name: version(name) for name in _MADE_WITH},
+    )
+
+
+def simulation_result(record: FlightRecord, origin: FlightProvenance, files: dict[str, str]) -> dict[str, Any]:
+    """All fields, numbers unrounded, None where a number does not exist."""
+    planned, asked = record.planned, record.planned.experiment
+    fields = {
+        "name": asked.name,
+        "status": record.status,
+        "wingbeats": record.wingbeats,
+        "fly": _fly(asked),
+        "stroke": {
+            "frequency_hz": planned.frequency,
+            "trimmed": {} if planned.trim is None else dict(planned.trim.values),
+        },
+        "trim": _trim(record),
+        "body_free": list(asked.free),
+        "air": {
+            "terms": list(asked.air.terms),
+            "coefficients": asked.air.coefficients,
+            "density_kg_m3": asked.air.density,
+        },
+        "pulses": [
+            {"start_ms": pulse.start / ms, "duration_ms": pulse.duration / ms, "torque_n_m": list(pulse.torque_S)}
+            for pulse in planned.plan.pulses
+        ],
+        "settings": {"steps": asked.steps, "samples": asked.samples, "nodes": asked.air.nodes},
+        "error": _error(record),
+        "mean": _mean(record),
+        "yaw": {
+            "peak_deg": record.peak_yaw / deg,
+            "peak_time_ms": record.peak_yaw_time / ms,
+            "peak_rate_rad_per_s": _largest(record.beats.angular_velocity_S[:, 2]),
+        },
+        "end": _end(record),
+        "beats": {
+            "phase": list(record.beats.phase),
+            "lift_weights": list(record.beats.lift.sum(axis=1) / asked.morphology.weight),
+            "yaw_rate_rad_per_s": list(record.beats.angular_velocity_S[:, 2]),
+            "power_uw": list(record.beats.power / 1e-6),
+        },
+        "files": files,
+        "provenance": {
+            "command": origin.command,
+            "experiment": origin.experiment,
+            "experiment_sha256": origin.sha256,
+            "versions": origin.versions,
+        },
+        "fields": FIELDS,
+    }  # fmt: skip
+    return finite(fields)
+
+
+def simulation_result_json(record: FlightRecord, origin: FlightProvenance, files: dict[str, str]) -> str:
+    """The text of result.json."""
+    return json.dumps(simulation_result(record, origin, files), indent=1, allow_nan=False, ensure_ascii=False) + "\n"
+
+
+def _fly(asked: FlightExperiment) -> dict[str, Any]:
+    fly = asked.morphology
+    return {
+        "species": fly.species,
+        "mass_mg": fly.mass / 1e-6,
+        "wing_length_mm": fly.wing_length / mm,
+        "mean_chord_mm": fly.mean_chord / mm,
+        "stroke_plane_angle_deg": fly.stroke_plane_angle / deg,
+        "inertia_kg_m2": [list(row) for row in fly.inertia],
+    }
+
+
+def _trim(record: FlightRecord) -> dict[str, Any] | None:
+    trim = record.planned.trim
+    if trim is None:
+        return None
+    return {
+        "status": trim.status,
+        "forward_weights": trim.balance.forward,
+        "down_weights": trim.balance.down,
+        "pitch_weights_wing_lengths": trim.balance.pitch,
+    }
+
+
+def _error(record: FlightRecord) -> dict[str, Any]:
+    step, quadrature = record.step_error, record.quadrature_error
+    return {
+        "step": None if step is None else {name: getattr(step, name) for name in type(step).__slots__},
+        "quadrature": None
+        if quadrature is None
+        else {name: getattr(quadrature, name) for name in type(quadrature).__slots__},
+    }
+
+
+def _mean(record: FlightRecord) -> dict[str, Any] | None:
+    mean, fly = record.mean, record.planned.experiment.morphology
+    if mean is None:
+        return None
+    lift = mean.lift[0] / fly.weight
+    return {
+        "force_weights": {term: list(mean.force_S[0, k] / fly.weight) for k, term in enumerate(TERMS)},
+        "torque_n_m": {term: list(mean.torque_S[0, k]) for k, term in enumerate(TERMS)},
+        "lift_weights": {term: lift[k] for k, term in enumerate(TERMS)} | {"all": lift.sum()},
+        "power_uw": mean.power[0] / 1e-6,
+        "power_w_per_kg": mean.power[0] / fly.mass,
+    }
+
+
+def _end(record: FlightRecord) -> dict[str, Any] | None:
+    body = record.body
+    if not len(body.time):
+        return None
+    return {
+        "time_ms": body.time[-1] / ms,
+        "position_mm": list(body.position_W[-1] / mm),
+        "heading_deg": body.yaw[-1] / deg,
+        "nose_up_deg": body.nose_up[-1] / deg,
+        "roll_deg": body.roll[-1] / deg,
+        "velocity_m_per_s": list(body.velocity_S[-1]),
+    }
+
+
+def _largest(values: np.ndarray) -> float:
+    return float(values[int(np.argmax(np.abs(values)))]) if len(values) else 0.0

@@ -1,0 +1,135 @@
+import numpy as np
+import pytest
+
+from flycontrol.errors import InvalidInputError
+from flycontrol.io.flight_experiments import experiment_text, read_flight_experiment
+from flycontrol.model.flight_experiment import FREEDOMS, SpringJoint, TorqueJoint
+from flycontrol.model.morphology import pitch_rotation
+from flycontrol.units import deg, ms
+
+
+@pytest.fixture
+def read(tmp_path):
+    """Read an experiment from its text."""
+
+    def reader(text):
+        path = tmp_path / "flight.toml"
+        path.write_text(text)
+        return read_flight_experiment(path)
+
+    return reader
+
+
+@pytest.fixture
+def refused(read):
+    """The sentence that refuses an experiment's text."""
+
+    def reader(text):
+        with pytest.raises(InvalidInputError) as refusal:
+            read(text)
+        return str(refusal.value)
+
+    return reader
+
+
+def test_the_text_of_the_default_experiment_is_the_default_experiment(read):
+    text = read(experiment_text())
+    default = read_flight_experiment()
+    for name in ("name", "morphology", "stroke", "trim", "wingbeats", "free", "pulses", "air", "steps", "samples"):
+        assert getattr(text, name) == getattr(default, name), name
+
+
+def test_by_default_the_published_fly_hovers_in_trim_and_is_hit_by_a_yaw_torque_of_one_wingbeat():
+    default = read_flight_experiment()
+    (pulse,) = default.pulses
+    assert default.morphology.species == "Drosophila melanogaster"
+    assert len(default.trim) == 3
+    assert default.free == FREEDOMS
+    assert pulse.torque_S[:2] == (0.0, 0.0)
+    assert pulse.duration.at(220.0) * 220.0 == pytest.approx(1.0, rel=1e-15)
+
+
+def test_what_a_file_leaves_out_is_as_in_the_default_but_pulses(read):
+    own, default = read("[march]\nwingbeats = 7"), read_flight_experiment()
+    assert own.wingbeats == 7
+    assert (own.stroke, own.morphology, own.free, own.steps) == (
+        default.stroke,
+        default.morphology,
+        default.free,
+        default.steps,
+    )
+    assert own.pulses == own.steering == ()
+
+
+def test_onsets_in_wingbeats_follow_the_frequency_and_onsets_in_ms_do_not(read):
+    flight = read(
+        '[[pulse]]\naxis = "yaw"\ntorque = "1e-9 N m"\nonset = "2 wingbeats"\nduration = "1 wingbeat"\n'
+        '[[pulse]]\naxis = "yaw"\ntorque = "1e-9 N m"\nonset = "9 ms"\nduration = "4 ms"\n'
+    )
+    first, second = flight.pulses
+    assert first.onset.at(200.0) == pytest.approx(10 * ms, rel=1e-15)
+    assert first.onset.at(250.0) == pytest.approx(8 * ms, rel=1e-15)
+    assert second.onset.at(200.0) == second.onset.at(250.0) == pytest.approx(9 * ms, rel=1e-15)
+
+
+def test_a_torque_about_a_body_axis_is_turned_into_the_stroke_plane(read):
+    flight = read(
+        '[[pulse]]\naxis = "roll"\nframe = "body"\ntorque = "1e-9 N m"\nonset = "2 wingbeats"\nduration = "1 wingbeat"'
+    )
+    turned = pitch_rotation(flight.morphology.stroke_plane_angle) @ [1e-9, 0.0, 0.0]
+    np.testing.assert_allclose(flight.pulses[0].torque_S, turned, rtol=1e-15)
+
+
+def test_paddling_raises_the_right_wing_and_lowers_the_left_one(read):
+    flight = read('[[modulation]]\nonset = "3 wingbeats"\npaddling = "3 deg"\npitch_offset = "1 deg"')
+    steered = flight.steered(flight.stroke)
+    late = np.array([9.2])
+    plain = flight.stroke.right(late).angles
+    assert steered.right(late).angles - plain == pytest.approx(np.array([[0, 0, 4 * deg]]), abs=1e-15)
+    assert steered.left(late).angles - plain == pytest.approx(np.array([[0, 0, -2 * deg]]), abs=1e-15)
+    assert steered.left(np.array([2.9])).angles == pytest.approx(flight.stroke.left(np.array([2.9])).angles, abs=0)
+
+
+def test_freedoms_come_one_by_one(read):
+    assert read('[body]\nfree = ["yaw", "down"]').free == ("down", "yaw")
+    assert read('[body]\nfree = "none"').free == ()
+
+
+def test_hinges_are_springs_or_torques_of_both_wings_or_of_one(read):
+    flight = read(
+        "[stroke]\ntrim = []\n"
+        '[hinges]\npitch = { kind = "spring", stiffness = "2e-9 N m/rad", rest_angle = "80 deg" }\n'
+        '[hinges.left]\nstroke = { kind = "torque", amplitude = "4e-8 N m" }\n'
+    )
+    assert flight.left.pitch == flight.right.pitch == SpringJoint(stiffness=2e-9, rest_angle=80 * deg)
+    assert flight.left.stroke == TorqueJoint(amplitude=4e-8)
+    assert flight.right.stroke is None
+
+
+def test_what_cannot_be_meant_is_refused_with_file_line_and_a_way_out(refused):
+    pulse = '[[pulse]]\naxis = "yaw"\nonset = "2 wingbeats"\nduration = "1 wingbeat"\n'
+    assert "flight.toml, line 5: pulse.torque is 3e-09, without a unit" in refused(pulse + "torque = 3e-9")
+    assert "line 5: pulse.torque is '3 mm', a length; a torque such as" in refused(pulse + 'torque = "3 mm"')
+    assert "the nearest known key is march.wingbeats" in refused("[march]\nwingbeat = 3")
+    assert "is not valid TOML" in refused("[march\nwingbeats = 3")
+    assert "a time longer than 0 s is needed" in refused(
+        '[[pulse]]\naxis = "yaw"\ntorque = "1e-9 N m"\nonset = "1 ms"\nduration = "0 ms"'
+    )
+    assert "lies outside the flight of 20 wingbeats" in refused(
+        '[[pulse]]\naxis = "yaw"\ntorque = "1e-9 N m"\nonset = "30 wingbeats"\nduration = "1 wingbeat"'
+    )
+    assert "three different names are needed" in refused('[stroke]\ntrim = ["frequency"]')
+    assert "no fly beats its wings so" in refused('[stroke]\nfrequency = "220 kHz"')
+    assert "published are drosophila_melanogaster" in refused('[fly]\nmorphology = "a_wasp"')
+    assert "has no stiffness, which a spring needs" in refused('[hinges]\npitch = { kind = "spring" }')
+    assert "is not of a spring" in refused('[hinges]\npitch = { kind = "spring", amplitude = "1e-9 N m" }')
+    assert "Only prescribed wings are trimmed" in refused(
+        '[hinges]\npitch = { kind = "spring", stiffness = "2e-9 N m/rad" }'
+    )
+
+
+def test_a_fault_in_the_second_pulse_is_refused_with_its_own_line(refused):
+    pulse = '[[pulse]]\naxis = "yaw"\nonset = "2 wingbeats"\nduration = "1 wingbeat"\n'
+    assert "line 10: pulse.torque is 2, without a unit" in refused(
+        pulse + 'torque = "1e-9 N m"\n' + pulse + "torque = 2"
+    )
