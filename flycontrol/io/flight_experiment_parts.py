@@ -169,4 +169,4 @@ class FlightReader:
 
     def _where(self, key: str, element: int | None) -> str:
         keys = key.split(".")
-        return self.toml.where(*keys) if element is None else self.toml.where_in(keys[0], element, *keys[1:])
+        return self.toml.where(*keys) if element is None else self.toml.where(keys[0], str(element), *keys[1:])

@@ -41,15 +41,6 @@ class TomlFile:
         lines = [line for line, path in self._key_lines() if path and path == keys[: len(path)]]
         return f"{self.file.name}, line {lines[-1]}" if lines else self.file.name
 
-    def where_in(self, table: str, element: int, *keys: str) -> str:
-        """Name of the file and the line of a key in one element of an array of tables, counted from 0."""
-        seen = -1
-        for line, path in self._key_lines():
-            seen += path == (table,)
-            if seen == element and path == (table, *keys):
-                return f"{self.file.name}, line {line}"
-        return f"{self.file.name}, {table} {element + 1}"
-
     def _key_lines(self) -> Iterator[tuple[int, tuple[str, ...]]]:
         table: tuple[str, ...] = ()
         counts: Counter[tuple[str, ...]] = Counter()
