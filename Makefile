@@ -32,6 +32,7 @@ reports: report
 	$(BIN)/python analyses/does_hover_hold.py
 	$(BIN)/python analyses/flutter_or_tumble.py
 	[ ! -d $(DATA)/robofly_polars ] || $(BIN)/python analyses/wings_against_nature.py
+	[ ! -d $(DATA)/muijres_freeflight ] || $(BIN)/python analyses/hinge_as_a_spring.py
 	for flight in $(FLIGHTS); do $(BIN)/flycontrol report --parameters drosophila_hydei --mapping muijres_freeflight \
 	  --recording $(DATA)/muijres_freeflight/$$flight.txt --out reports/flights/$$flight || exit 1; done
 

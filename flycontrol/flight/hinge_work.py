@@ -15,9 +15,14 @@ from numpy.typing import NDArray
 
 from flycontrol.errors import InvalidInputError
 from flycontrol.flight.flapping_fly import FlappingFly
+from flycontrol.flight.multibody.freedoms import HELD, Hinge
 from flycontrol.flight.multibody.inverse import inverse_dynamics
 from flycontrol.flight.quasi_steady import TERMS
+from flycontrol.flight.settings import MarchSettings
+from flycontrol.flight.state_vector import level_start, packed, trajectory_of
+from flycontrol.flight.wingbeat_map import WingbeatMap
 from flycontrol.model.stroke import Side
+from flycontrol.model.stroke_kinematics import StrokeKinematics
 from flycontrol.model.trajectory import Trajectory
 
 FloatArray = NDArray[np.float64]
@@ -76,6 +81,23 @@ def pitch_torques(fly: FlappingFly, trajectory: Trajectory, side: Side = "right"
         inertia=inertia,
         air=air,
     )
+
+
+def held_wingbeat(fly: FlappingFly, stroke: StrokeKinematics, settings: MarchSettings | None = None) -> Trajectory:
+    """One wingbeat of a periodic stroke, all three angles as given and the body held level and at rest.
+
+    What a measured wingbeat is to inverse dynamics: N instants of 200 by default, its end not included.
+    """
+    settings = settings or MarchSettings(samples=200)
+    beat = WingbeatMap(replace(fly, body=HELD, left=Hinge(), right=Hinge()), stroke, settings)
+    samples = beat(packed(level_start(stroke))).samples
+    phase = np.arange(settings.samples) / settings.samples
+    return replace(trajectory_of(samples, phase, stroke.frequency, settings.samples), wingbeats=1)
+
+
+def rest_angle(torques: PitchTorques, stiffness: float) -> float:
+    """eta_0 = <eta> + <tau> / kappa [rad] of a spring of known kappa: over whole wingbeats a damper takes no part."""
+    return float(torques.pitch.mean() + torques.hinge.mean() / stiffness)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

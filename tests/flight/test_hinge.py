@@ -11,7 +11,7 @@ from flycontrol.flight.flapping_fly import FlappingFly
 from flycontrol.flight.hinge_fit import at_pitch_axis, fitted_spring
 from flycontrol.flight.hinge_motion import passive_wingbeat, sprung
 from flycontrol.flight.hinge_transmission import biased_wingbeat, hinge_transmission
-from flycontrol.flight.hinge_work import pitch_torques, work_loop
+from flycontrol.flight.hinge_work import held_wingbeat, pitch_torques, rest_angle, work_loop
 from flycontrol.flight.multibody.freedoms import HELD, YAW_ONLY, Hinge
 from flycontrol.flight.multibody.inverse import inverse_dynamics
 from flycontrol.flight.quasi_steady import TERMS, VACUUM
@@ -96,6 +96,19 @@ def test_inverse_dynamics_of_a_passive_motion_gives_the_spring_back(beat):
     assert loop.rest_angle == pytest.approx(SPRING.rest_angle, rel=1e-9)
     assert loop.explained == pytest.approx(1.0, abs=1e-12)
     assert loop.work < 0  # counter-clockwise, by construction
+
+
+def test_a_known_stiffness_tells_the_rest_angle_from_the_means_alone(beat):
+    """The damper's mean is that of eta', which is zero over a wingbeat."""
+    torques = pitch_torques(FLUTTERING, beat.trajectory)
+    assert rest_angle(torques, SPRING.stiffness) == pytest.approx(SPRING.rest_angle, abs=1e-8)
+
+
+def test_a_held_wingbeat_is_the_first_of_a_flight_with_the_body_held():
+    held = held_wingbeat(FLUTTERING, SYMMETRIC)
+    flight = simulate_flight(replace(FLY, body=HELD), SYMMETRIC, 1, settings=MarchSettings(samples=200))
+    np.testing.assert_array_equal(held.right.pitch, flight.right.pitch[:-1])
+    np.testing.assert_array_equal(held.left_acceleration, flight.left_acceleration[:-1])
 
 
 def test_the_torque_of_a_term_about_the_pitch_axis_is_that_of_its_load_on_the_wing(beat):
