@@ -79,6 +79,8 @@ def polygon_shape(corners: FloatArray) -> WingShape:
     corners = corners / corners[:, 1].max()
     y = _distinct(corners[:, 1])
     low, high = _limits(corners, y)
+    if not max(low.max(), high.max()) > _SAME:
+        raise InvalidInputError("an outline must enclose an area, and the points of this one lie on a line.")
     span, chord = _rows(y, np.maximum(low, 0.0), np.maximum(high, 0.0))  # 0 to rounding where edges meet in a corner
     table = ChordTable(span=tuple(span), chord=tuple(chord))
     return WingShape(table=table, mean_chord=_mean(table))

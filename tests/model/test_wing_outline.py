@@ -105,3 +105,21 @@ def test_points_that_are_no_outline_are_refused_in_one_sentence(points, said):
     with pytest.raises(InvalidInputError) as error:
         outline_shape(points)
     assert said in str(error.value)
+
+
+grid = st.tuples(st.integers(0, 4), st.integers(0, 4))
+
+
+@given(st.lists(grid, min_size=3, max_size=8))
+def test_points_of_a_grid_are_an_outline_with_the_area_of_green_or_refused(points):
+    """Corners on edges, edges along the chord, spikes: what a coarse drawing has."""
+    corners = np.array(points, dtype=float)
+    try:
+        found = outline_shape(corners)
+    except InvalidInputError:
+        return
+    unique = corners[:-1] if np.array_equal(corners[0], corners[-1]) else corners
+    area, first, _ = moments(unique)
+    tip = unique[:, 1].max()
+    assert found.mean_chord == pytest.approx(area / tip**2, rel=1e-10)
+    assert found.first_moment_radius == pytest.approx(first / area / tip, rel=1e-10)
