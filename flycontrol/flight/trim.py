@@ -67,9 +67,10 @@ def hover_trim(
     fly
         With prescribed wings, gravity along -z of W; its body freedoms do not count.
     kinematics
-        Where the search begins, the same `BermanWangStroke` for both wings.
+        Where the search begins, the same periodic stroke for both wings: built-in, Fourier series or samples.
     moves
-        Three of `frequency`, `body_pitch` and the stroke's parameters that `trim_parameters.LIMITS` names.
+        Three of `frequency`, `body_pitch` and what `trim_parameters.LIMITS` names: parameters of a `BermanWangStroke`,
+        or changes of any stroke as a `Modulation` makes them.
     body_pitch
         Mean angle of the stroke plane above the horizon, > 0 nose up; where the search begins if `moves` names it
         [rad].
@@ -216,6 +217,6 @@ def _refuse_imbalance(fly: FlappingFly, parameters: TrimParameters, found: _Foun
     raise InvalidParameterError(
         f"{fly.morphology.species} finds no hover with its body {body}: at best, with {at} (rad, 1/s){end} there "
         f"remain a net force of {left.forward:+.2g} weights forward and {-left.down:+.2g} upward and a pitch torque "
-        f"of {left.pitch:+.2g} weights times wing lengths. Widen the limits, move other parameters, or check mass and "
-        "wings."
+        f"of {left.pitch:+.2g} weights times wing lengths (largest residual {found.largest:.1g}). Widen the limits, move "
+        "other parameters, or check mass and wings."
     )

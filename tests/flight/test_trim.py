@@ -13,12 +13,15 @@ from flycontrol.flight.simulate import simulate_flight
 from flycontrol.flight.trim import hover_trim, tethered_trim
 from flycontrol.flight.wing_loads import loads_along
 from flycontrol.model.morphology import drosophila_hydei
-from flycontrol.model.stroke_kinematics import hover_stroke
+from flycontrol.model.stroke_kinematics import StrokeKinematics, hover_stroke
 from flycontrol.model.trajectory import rotation_matrices
+from flycontrol.model.wing_stroke import fourier_stroke
 from flycontrol.units import deg
 
 FLIES = {"melanogaster": (FLY, 220.0), "hydei": (replace(FLY, morphology=drosophila_hydei()), 189.0)}
 AMPLITUDE = ("stroke_amplitude", "stroke_offset", "pitch_offset")
+PHASE = np.arange(400) / 400
+AS_SERIES = StrokeKinematics.symmetric(fourier_stroke(PHASE, hover_stroke().right(PHASE).angles, 40), 220.0)
 TETHERED = replace(FLY, body=HELD)
 FINE = MarchSettings(steps=1000, samples=500)
 
@@ -82,6 +85,15 @@ def test_a_trim_may_pitch_the_body_and_keeps_the_pitch_that_is_asked_for():
     assert freed.kinematics.right.pitch_offset == 0.0
 
 
+def test_a_series_of_the_stroke_is_trimmed_like_the_stroke_itself():
+    """By modulating it: a relative change of amplitude in place of the amplitude, other angles as changes."""
+    itself = hover_trim(FLY, hover_stroke(), AMPLITUDE).values
+    series = hover_trim(FLY, AS_SERIES, ("stroke_gain", "stroke_offset", "pitch_offset")).values
+    assert 70 * deg * (1 + series["stroke_gain"]) == pytest.approx(itself["stroke_amplitude"], rel=1e-6)
+    assert series["stroke_offset"] == pytest.approx(itself["stroke_offset"], rel=1e-5)
+    assert series["pitch_offset"] == pytest.approx(itself["pitch_offset"], rel=1e-4)
+
+
 def test_wings_too_weak_at_any_amplitude_are_refused_with_the_weight_that_they_leave():
     with pytest.raises(InvalidParameterError, match=r"no hover .* stroke_amplitude at the limit, .* -0\.\d+ upward"):
         hover_trim(FLY, hover_stroke(100.0), AMPLITUDE)
@@ -95,8 +107,10 @@ def test_what_cannot_be_trimmed_is_refused():
         hover_trim(FLY, stroke, limits={"wing_length": (0.0, 1.0)})
     with pytest.raises(InvalidParameterError, match="not within its limits"):
         hover_trim(FLY, stroke, limits={"frequency": (230.0, 250.0)})
-    with pytest.raises(InvalidParameterError, match="one BermanWangStroke for both wings"):
+    with pytest.raises(InvalidParameterError, match="same stroke for both wings"):
         hover_trim(FLY, ASYMMETRIC)
+    with pytest.raises(InvalidParameterError, match="has no pitch_amplitude to move"):
+        hover_trim(FLY, AS_SERIES, ("pitch_amplitude", "stroke_offset", "pitch_offset"))
     with pytest.raises(InvalidParameterError, match="against gravity"):
         hover_trim(replace(FLY, gravity_W=(0.0, 0.0, 0.0)), stroke)
     with pytest.raises(InvalidParameterError, match="prescribed wings"):
