@@ -217,6 +217,6 @@ def _refuse_imbalance(fly: FlappingFly, parameters: TrimParameters, found: _Foun
     raise InvalidParameterError(
         f"{fly.morphology.species} finds no hover with its body {body}: at best, with {at} (rad, 1/s){end} there "
         f"remain a net force of {left.forward:+.2g} weights forward and {-left.down:+.2g} upward and a pitch torque "
-        f"of {left.pitch:+.2g} weights times wing lengths (largest residual {found.largest:.1g}). Widen the limits, move "
-        "other parameters, or check mass and wings."
+        f"of {left.pitch:+.2g} weights times wing lengths (largest residual {found.largest:.1g}). Widen the limits, "
+        "move other parameters, or check mass and wings."
     )

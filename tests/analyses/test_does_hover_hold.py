@@ -70,6 +70,24 @@ def test_published_ranges_and_other_coefficients_change_the_growing_modes_by_a_f
     assert hovers["translation alone"].fastest_lateral.real < 0.02 * roll.real
 
 
+def test_with_measured_strokes_hover_is_lost_in_roll_first_too(results, real_data):
+    note, found, _ = results
+    hovers = {each.case.name: each for each in found.hovers}
+    assert (real_data / "kinematics_fourier").is_dir()
+    text = " ".join((ANALYSES / "does_hover_hold.py").read_text(encoding="utf-8").replace("\n#", " ").split())
+    hover, mean = hovers[note.MEASURED_HOVER], hovers[note.MEASURED_MEAN]
+    for each in (hover, mean):
+        assert each.fastest_lateral.real > each.fastest_longitudinal.real > 0
+        assert abs(each.trim.values["stroke_gain"]) < 0.1
+    calibrated = found.fly
+    pitch = f"{calibrated.fastest_longitudinal.real:.1f} against {hover.fastest_longitudinal.real:.1f} 1/s"
+    roll = f"{calibrated.fastest_lateral.real:.1f} against {hover.fastest_lateral.real:.1f} 1/s"
+    damping = [f"{each.at_rest.yaw_damping * 1e12:.1f}e-12" for each in (calibrated, hover)]
+    assert f"{damping[0]} N m s with the calibrated stroke, {damping[1]} with the measured hover" in text
+    assert pitch in text
+    assert roll in text
+
+
 def test_the_numbers_and_the_figure_are_written_and_small(results):
     note, found, folder = results
     numbers = json.loads((folder / "does_hover_hold.json").read_text(encoding="utf-8"))
