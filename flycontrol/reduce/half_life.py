@@ -1,0 +1,122 @@
+"""How long a yaw rate lasts after a kick: the flight of the whole model against I r' = -beta r.
+
+    half-life = ln 2 I / beta
+
+A kick is a torque about the stroke plane's normal, so short that the wings do not move. Within a wingbeat the rate
+falls fast at mid-stroke and hardly at reversal; the half-life by wingbeats takes it from one wingbeat to the next.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flycontrol.errors import InvalidParameterError
+from flycontrol.flight.flapping_fly import FlappingFly
+from flycontrol.flight.multibody.freedoms import FREE, YAW_ONLY
+from flycontrol.flight.pulses import BodyPulse
+from flycontrol.flight.settings import MarchSettings
+from flycontrol.flight.simulate import simulate_flight
+from flycontrol.model.stroke_kinematics import StrokeKinematics
+from flycontrol.model.trajectory import FlightState
+
+FloatArray = NDArray[np.float64]
+Freedom = Literal["yaw", "all"]
+
+PHASES = tuple(k / 8 for k in range(8))  #: of the wingbeat at which the fly is kicked
+_SETTINGS = MarchSettings(steps=400, samples=400, estimate_error=False)
+_KICK = 0.01  # of a wingbeat: four steps
+_BEFORE, _AFTER = 1, 4  # wingbeats
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class YawDecay:
+    """What is left of a yaw rate after kicks at n phases of the wingbeat."""
+
+    freedom: Freedom  #: the body turns about its yaw axis alone, as on a magnetic tether, or flies freely
+    frequency: float  #: wingbeats a second [1/s]
+    phases: FloatArray  #: (n,) of the kicks [wingbeats]
+    first_rates: FloatArray  #: (n,) right after the kick [rad/s]
+    first_halves: FloatArray  #: (n,) until the rate is half of that for the first time [s]
+    decay: FloatArray  #: (n,) the rate one wingbeat later over the rate right after the kick [1]
+
+    @property
+    def half_life(self) -> float:
+        """ln 2 / (-f ln decay), mean over the phases: what wingbeat-averaged yaw takes to halve [s]."""
+        return float(np.log(2) / (-self.frequency * np.log(self.decay).mean()))
+
+    @property
+    def in_wingbeats(self) -> float:
+        """The half-life [wingbeats]."""
+        return self.half_life * self.frequency
+
+
+def yaw_decay(
+    fly: FlappingFly,
+    kinematics: StrokeKinematics,
+    start: FlightState | None = None,
+    *,
+    freedom: Freedom = "yaw",
+    rate: float = 1.0,
+    phases: Sequence[float] = PHASES,
+) -> YawDecay:
+    """Kick the fly at each phase and follow its yaw rate.
+
+    Parameters
+    ----------
+    fly
+        Its body freedoms do not count.
+    kinematics
+        A stroke that both wings share, so that the fly does not turn by itself.
+    start
+        State at phase 0, that of a hover trim; without it the body starts level and at rest.
+    freedom
+        What the body may do: "yaw" alone or "all".
+    rate
+        Yaw rate that the kick would give the rigid body if it could only yaw [rad/s].
+    phases
+        When to kick [wingbeats].
+
+    Raises
+    ------
+    InvalidParameterError
+        The wings differ, or the rate does not halve within four wingbeats.
+    """
+    if kinematics.left != kinematics.right:
+        raise InvalidParameterError("A half-life of yaw needs a stroke that both wings share; symmetrise it first.")
+    body = YAW_ONLY if freedom == "yaw" else FREE
+    kicked = [_kicked(replace(fly, body=body), kinematics, start, rate, phase) for phase in phases]
+    return YawDecay(
+        freedom=freedom,
+        frequency=kinematics.frequency,
+        phases=np.array(phases, dtype=np.float64),
+        first_rates=np.array([one[0] for one in kicked]),
+        first_halves=np.array([one[1] for one in kicked]),
+        decay=np.array([one[2] for one in kicked]),
+    )
+
+
+def _kicked(
+    fly: FlappingFly, kinematics: StrokeKinematics, start: FlightState | None, rate: float, phase: float
+) -> tuple[float, float, float]:
+    """Yaw rate after the kick [rad/s], time to half of it [s], share that is left a wingbeat later."""
+    if not 0 <= phase < 1:
+        raise InvalidParameterError(f"A kick's phase must lie in 0..1 wingbeats, 1 not included, got {phase!r}.")
+    f, n = kinematics.frequency, _SETTINGS.samples
+    torque = fly.morphology.yaw_inertia * rate * f / _KICK
+    pulse = BodyPulse(start=(_BEFORE + phase) / f, duration=_KICK / f, torque_S=(0.0, 0.0, torque))
+    flown = simulate_flight(fly, kinematics, _BEFORE + 1 + _AFTER, start=start, pulses=[pulse], settings=_SETTINGS)
+    yaw_rate = flown.angular_velocity_S[round((_BEFORE + phase + _KICK) * n) :, 2]
+    below = np.flatnonzero(yaw_rate <= yaw_rate[0] / 2)
+    if not below.size:
+        raise InvalidParameterError(
+            f"The yaw rate of {fly.morphology.species} did not halve within {_AFTER} wingbeats of the kick; check its "
+            "wings and its air."
+        )
+    k = int(below[0])
+    into = (yaw_rate[k - 1] - yaw_rate[0] / 2) / (yaw_rate[k - 1] - yaw_rate[k])
+    return float(yaw_rate[0]), float((k - 1 + into) / (n * f)), float(yaw_rate[n] / yaw_rate[0])

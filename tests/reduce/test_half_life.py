@@ -1,0 +1,69 @@
+"""The flight after a kick against the reduced model's exponential."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from reduced_fly import FLY, hover, trim
+
+from flycontrol.errors import InvalidParameterError
+from flycontrol.flight.quasi_steady import VACUUM
+from flycontrol.model.stroke_kinematics import StrokeKinematics
+from flycontrol.model.wing_stroke import paddling
+from flycontrol.reduce.half_life import YawDecay, yaw_decay
+from flycontrol.reduce.reduced_yaw import reduced_yaw
+from flycontrol.reduce.yaw_inertia import yaw_inertia
+from flycontrol.reduce.yaw_torque import yaw_slopes
+
+
+@cache
+def tethered() -> YawDecay:
+    return yaw_decay(FLY, trim().kinematics)
+
+
+@cache
+def flying() -> YawDecay:
+    return yaw_decay(FLY, trim().kinematics, trim().start, freedom="all")
+
+
+def test_on_a_tether_yaw_halves_in_ln2_inertia_over_damping():
+    """Within 1 %: damping and inertia vary over the wingbeat, and only a fourteenth of the inertia does."""
+    assert tethered().half_life == pytest.approx(reduced_yaw(FLY, trim().kinematics).half_life, rel=0.01)
+
+
+def test_after_a_whole_wingbeat_it_does_not_matter_when_the_kick_came():
+    """A linear law with periodic coefficients, to the part of damping that is cubic."""
+    assert np.ptp(tethered().decay) < 1e-5 * tethered().decay.mean()
+
+
+def test_small_and_large_kicks_decay_alike():
+    larger = yaw_decay(FLY, trim().kinematics, rate=30.0, phases=(0.25,))
+    assert larger.decay[0] == pytest.approx(tethered().decay[2], rel=1e-3)
+
+
+def test_in_free_flight_yaw_halves_sooner_since_the_body_rolls_along():
+    """The product of inertia: a short yaw torque turns 1 / (n J^-1 n), two thirds of I, and yaw decays as fast."""
+    inertia = yaw_inertia(hover())
+    damping = yaw_slopes(hover()).damping
+    assert inertia.free < 0.7 * inertia.total
+    assert flying().half_life < 0.7 * tethered().half_life
+    assert flying().half_life == pytest.approx(np.log(2) * inertia.free / damping, rel=0.1)
+
+
+def test_a_short_kick_gives_the_rate_that_the_inertia_says():
+    """Mean over the phases; the rigid body alone would turn at 1 rad/s."""
+    inertia = yaw_inertia(hover())
+    assert tethered().first_rates.mean() == pytest.approx(inertia.body / inertia.total, rel=0.02)
+    assert flying().first_rates.mean() == pytest.approx(inertia.body / inertia.free, rel=0.02)
+
+
+def test_without_air_nothing_decays_and_it_says_so():
+    with pytest.raises(InvalidParameterError, match="did not halve within 4 wingbeats"):
+        yaw_decay(replace(FLY, air=VACUUM), trim().kinematics, phases=(0.0,))
+
+
+def test_a_stroke_that_turns_by_itself_is_refused():
+    stroke: StrokeKinematics = trim().kinematics.modulated(*paddling(0.1))
+    with pytest.raises(InvalidParameterError, match="symmetrise it first"):
+        yaw_decay(FLY, stroke)
