@@ -23,6 +23,7 @@ report: $(VENV)/run.stamp
 
 DATA := $(or $(FLYCONTROL_DATA),../shared/data)
 FLIGHTS := $(notdir $(basename $(wildcard $(DATA)/muijres_freeflight/2*.txt)))
+REPLAYS := replayed_flights why_crude_replays_miss_yaw noise_ceiling_of_a_replay mass_seen_by_the_wings
 
 reports: report
 	$(BIN)/python analyses/late_but_in_time.py
@@ -33,6 +34,7 @@ reports: report
 	$(BIN)/python analyses/flutter_or_tumble.py
 	[ ! -d $(DATA)/robofly_polars ] || $(BIN)/python analyses/wings_against_nature.py
 	[ ! -d $(DATA)/muijres_freeflight ] || $(BIN)/python analyses/hinge_as_a_spring.py
+	if [ -n "$(FLIGHTS)" ]; then for note in $(REPLAYS); do $(BIN)/python analyses/$$note.py || exit 1; done; fi
 	for flight in $(FLIGHTS); do $(BIN)/flycontrol report --parameters drosophila_hydei --mapping muijres_freeflight \
 	  --recording $(DATA)/muijres_freeflight/$$flight.txt --out reports/flights/$$flight || exit 1; done
 
