@@ -246,7 +246,9 @@ def draw_places(ax: "Axes", points: list[TrackedPoint]) -> None:
     for name, marker, p in zip(FLIGHTS, "os^", points, strict=True):
         ax.plot(p.twins[:, 0] / mm, -p.twins[:, 1] / mm, marker, color="#e08a00", markersize=2, alpha=0.6)
         ax.plot(p.own_offset[0] / mm, -p.own_offset[1] / mm, marker, color="#0b3954", markersize=6)
-        ax.annotate(name[4:], (p.own_offset[0] / mm + 0.06, -p.own_offset[1] / mm - 0.04), fontsize=7.5)
+        side = -1 if name == FLIGHTS[0] else 1  # away from the line
+        place = (p.own_offset[0] / mm + 0.06 * side, -p.own_offset[1] / mm - 0.04)
+        ax.annotate(name[4:], place, fontsize=7.5, ha="right" if side < 0 else "left")
     ax.set(xlabel="forward [mm]", ylabel="up [mm]", aspect="equal", xlim=(-0.2, 1.5), ylim=(-0.15, 1.15))
     ax.set_title("Centre of mass from the tracked point", fontsize=8)
 
