@@ -48,6 +48,17 @@ def test_biases_paddle_in_proportion_and_turn_by_their_sign(results):
         assert beat.d_alpha == pytest.approx(mu * beat.bias, abs=0.01 * 25 * deg)
 
 
+def test_claims_that_fail_stand_there_too(results):
+    found, folder = results
+    numbers = json.loads((folder / "hinge_as_a_spring.json").read_text(encoding="utf-8"))
+    words = [claim["agreement"].split(":")[0].split(",")[0] for claim in numbers["claims"]]
+    assert set(words) == {"agrees", "roughly", "fails"}
+    hover = found.at_chosen(found.flies[0]).transmission
+    assert words[4] == ("agrees" if 0.54 < hover.mu < 0.66 else "roughly" if 0.45 < hover.mu < 0.75 else "fails")
+    for claim in numbers["claims"]:
+        assert claim["ours"] in (folder / "hinge_as_a_spring.md").read_text(encoding="utf-8")
+
+
 def test_the_note_states_the_numbers_that_it_finds(results):
     found, folder = results
     text = " ".join((ANALYSES / "hinge_as_a_spring.py").read_text(encoding="utf-8").replace("\n#", " ").split())
@@ -78,6 +89,7 @@ def test_the_note_states_the_numbers_that_it_finds(results):
     assert f"{kappa[1]:.1f} nN m/rad for" in text
     assert f"it would be {kappa[4]:.2f}" in text
     assert f"from {axes[0].fit.rms / deg:.1f} to {axes[4].fit.rms / deg:.1f} deg" in text
+    assert f"kappa is sharp, {100 * hover.fit.relative_spread[0]:.0f} % for" in text
     assert f"falls {kappa[0] / kappa[4]:.1f}-fold" in text
     assert f"{bulk[1] / bulk[0]:.1f} times the weight times chord, has {1e9 * free.fit.spring.stiffness:.1f}" in text
     assert f"shrinks to {mass['mass half as far from the axis'].fit.rms / deg:.1f} deg" in text

@@ -188,6 +188,24 @@ def test_steering_moves_the_rest_angles_between_wingbeats_and_a_bias_up_on_the_r
     np.testing.assert_allclose(still.left.pitch[-201:-1], biased.left.pitch, atol=1e-6)
 
 
+def test_a_fly_on_springs_stops_turning_as_much_slower_as_its_damping_says():
+    """ln(psi'_0 / psi'_n) goes with beta / I; the ratio of two flies that pitch alike does without I."""
+    found = hinge_transmission(NEAR_THE_EDGE, SYMMETRIC, SPRING)
+    hover = passive_wingbeat(FLUTTERING, SYMMETRIC)
+    flight = hover.trajectory.right
+    angles = np.stack([flight.stroke, flight.deviation, flight.pitch], axis=1)
+    as_in_hover = StrokeKinematics.symmetric(fourier_stroke(hover.trajectory.phase, angles, 40), FREQUENCY)
+
+    def decay(fly, stroke):
+        start = replace(hover.start, angular_velocity_S=np.array([0.0, 0.0, 5.0]))
+        flown = simulate_flight(replace(fly, body=YAW_ONLY), stroke, 4, start=start, settings=MarchSettings(samples=1))
+        return np.log(flown.angular_velocity_S[1, 2] / flown.angular_velocity_S[-1, 2])
+
+    slower = decay(FLUTTERING, SYMMETRIC) / decay(NEAR_THE_EDGE, as_in_hover)
+    assert slower < 0.7
+    assert slower == pytest.approx(found.damping / found.damping_at_given_pitch, rel=0.03)
+
+
 def test_a_spring_that_made_a_wingbeat_is_found_again(beat):
     flight = beat.trajectory
     angles = np.stack([flight.right.stroke, flight.right.deviation, flight.right.pitch], axis=1)
