@@ -51,7 +51,7 @@ def fitted_spring(
     fly
         Morphology and air; body held, wings alike.
     stroke
-        A measured wingbeat, both wings alike, periodic: its stroke and deviation drive, its pitch is matched.
+        A measured wingbeat, periodic: stroke and deviation drive the wings, the right one's pitch is matched.
     pitch_axis
         x0 in place of the morphology's [chords from the leading edge].
     settings

@@ -38,6 +38,7 @@ class DampedSpring:
 
     def __post_init__(self) -> None:
         _refuse_negative("DampedSpring", self.stiffness, self.damping)
+        _refuse_endless("DampedSpring", self.rest_angle)
 
     def torque(self, pitch: FloatArray, pitch_rate: FloatArray) -> FloatArray:
         """Torque on the wing [N m] at angles [rad] and rates [rad/s], arrays of one shape."""
@@ -65,6 +66,9 @@ class HingeStroke:
     stroke: WingStroke
     rest_angle: float = np.pi / 2  #: eta_0 [rad]
 
+    def __post_init__(self) -> None:
+        _refuse_endless("HingeStroke", self.rest_angle)
+
     @property
     def periodic(self) -> bool:
         """Whether every wingbeat is like the first."""
@@ -83,3 +87,8 @@ def _refuse_negative(name: str, stiffness: float, damping: float) -> None:
         raise InvalidParameterError(
             f"{name} needs stiffness and damping >= 0, got {stiffness!r} N m/rad and {damping!r} N m s/rad."
         )
+
+
+def _refuse_endless(name: str, rest_angle: float) -> None:
+    if not np.isfinite(rest_angle):
+        raise InvalidParameterError(f"{name}.rest_angle must be a finite angle in rad, got {rest_angle!r}.")

@@ -224,6 +224,12 @@ def test_what_cannot_be_a_hinge_or_a_passive_wingbeat_is_refused(beat):
         DampedSpring(stiffness=-1e-9)
     with pytest.raises(InvalidParameterError, match="stiffness and damping >= 0"):
         SteeredSpring(stiffness=float("nan"))
+    with pytest.raises(InvalidParameterError, match="rest_angle must be a finite angle"):
+        replace(SPRING, rest_angle=float("nan"))
+    with pytest.raises(InvalidParameterError, match="rest_angle must be a finite angle"):
+        HingeStroke(stroke=wing_stroke(), rest_angle=float("inf"))
+    with pytest.raises(InvalidParameterError, match="take more steps a wingbeat or a softer spring"):
+        passive_wingbeat(sprung(FLY, replace(SPRING, stiffness=1e-3)), SYMMETRIC)
     with pytest.raises(InvalidParameterError, match="`sprung` makes such a fly"):
         passive_wingbeat(FLY, SYMMETRIC)
     cut = replace(beat.trajectory, time=beat.trajectory.time[:799])
