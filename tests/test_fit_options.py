@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from flycontrol.cli.fit_options import FitRequest, requested_model
+from flycontrol.cli.fit_options import FitRequest, requested_model, requested_sharing
 from flycontrol.errors import FlycontrolError
 from flycontrol.identify.gains.model import Prior
 
@@ -38,9 +38,9 @@ def test_a_prior_is_a_mean_and_a_deviation(sign):
     assert model(prior=[f"delay=14 {sign} 2 ms"]).unknown["delay"].prior == Prior(mean=0.014, deviation=0.002)
 
 
-def test_gains_are_shared_as_asked_and_impulses_never():
-    found = model(shared="fly", controller="pid").unknown
-    assert {found[name].shared for name in ("kp", "kd", "ki", "delay", "damping")} == {"fly"}
+def test_gains_are_shared_and_impulses_never():
+    found = model(controller="pid").unknown
+    assert {found[name].shared for name in ("kp", "kd", "ki", "delay", "damping")} == {"all"}
     assert found["impulse"].shared == "trial"
 
 
@@ -66,10 +66,10 @@ def test_the_paddling_gain_is_estimated_where_paddling_was_measured():
         ({"bound": ["delay=30 ms"]}, 'such as "5 ms .. 30 ms", got "30 ms"'),
         ({"bound": ["delay=30 ms .. 5 ms"]}, "must lie below"),
         ({"controller": "P", "fix": ["ki=6e4 1/s^3"]}, "A P controller has no ki"),
-        ({"shared": "none"}, "--shared must be all, fly or trial, got 'none'."),
+        ({"shared": "none"}, "--shared must be auto, all, fly or trial, got 'none'."),
     ],
 )
 def test_what_makes_no_model_is_refused_in_a_sentence(asked, said):
     with pytest.raises(FlycontrolError) as error:
-        model(**asked)
+        requested_sharing(asked["shared"]) if "shared" in asked else model(**asked)
     assert said in str(error.value)

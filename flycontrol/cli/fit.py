@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from flycontrol.cli.fit_options import FitRequest, requested_model
+from flycontrol.cli.fit_options import FitRequest, requested_model, requested_sharing
+from flycontrol.cli.fit_reporting import report_of
 from flycontrol.cli.terminal import WorkInterruptedError, progress_bar, refusal_with_a_mapping_to_edit, say
 from flycontrol.errors import InvalidInputError
 
@@ -49,8 +50,12 @@ def fit(
         list[str] | None, typer.Option(metavar="NAME=ENDS", help='Search inside, as delay="5 ms .. 30 ms"; repeat.')
     ] = None,
     shared: Annotated[
-        str, typer.Option(metavar="all|fly|trial", help="Whose gains, delay and damping are the same.")
-    ] = "all",
+        str,
+        typer.Option(
+            metavar="auto|all|fly|trial",
+            help="Whose gains, delay and damping are the same; auto: those of all, unless the flies differ.",
+        ),
+    ] = "auto",
     noise: Annotated[
         str, typer.Option(metavar="auto|white|ORDER", help="Autoregressive order of the residuals.")
     ] = "auto",
@@ -107,10 +112,11 @@ def fit(
         controller=controller, fix=fix or (), estimate=estimate or (), prior=prior or (), bound=bound or (),
         shared=shared,
     )  # fmt: skip
+    requested_sharing(shared)
     requested_model(request, paddling=False)  # refuse before hundreds of files are read
     fly = read_parameters(parameters)
+    from flycontrol.identify.gains.apart import study_of
     from flycontrol.identify.gains.stages import Stages
-    from flycontrol.identify.gains.study import fit_study
     from flycontrol.io.trials import read_trials
     from flycontrol.jobs.processes import ProcessPool
 
@@ -124,18 +130,15 @@ def fit(
         kept = None if folder is None else folder / "unfinished"
         stages = Stages(workers=crew, folder=kept, progress=progress)
         with _kept_when_interrupted(kept):
-            found = fit_study(trials, model, options, stages)
-            from flycontrol.report.fit_page import fit_provenance, write_fit_report
-            from flycontrol.report.fit_result import fit_result_json
-
-            command = _command(len(files), mapping, request, options)
+            found = study_of(trials, model, options, stages, requested_sharing(request.shared))
+            report = report_of(found, _command(len(files), mapping, request, options))
             if folder is not None:
-                write_fit_report(found, fly, folder, command=command, progress=progress)
+                report.write(fly, folder, progress)
                 stages.clear()
     if json:
-        typer.echo(fit_result_json(found, fit_provenance(found, command)), nl=False)
-    where = f"wrote {folder / 'index.html'}, result.json, estimates.csv and table.md" if folder else "done"
-    say(f"{found.result.status} {where} in {time.perf_counter() - started:.1f} s")
+        typer.echo(report.json(), nl=False)
+    where = f"wrote {folder / 'index.html'}{report.beside}" if folder else "done"
+    say(f"{report.status} {where} in {time.perf_counter() - started:.1f} s")
 
 
 def _with_pulses(

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING
 from flycontrol.errors import InvalidInputError
 
 if TYPE_CHECKING:
-    from flycontrol.identify.gains.model import Controller, GainModel, Prior, Sharing, Unknown
+    from flycontrol.identify.gains.apart import Shared
+    from flycontrol.identify.gains.model import Controller, GainModel, Prior, Unknown
     from flycontrol.io.quantities import Kind
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _PRIOR = re.compile(rf"\s*({_NUMBER})\s*(?:\+-|\+/-|±)\s*({_NUMBER})\s*(.*)", re.DOTALL)
 _ZERO = re.compile(r"[+-]?0*\.?0*")
-_OF_THE_LOOP = ("kp", "kd", "ki", "delay", "damping", "limit", "paddling_gain")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,7 +28,7 @@ class FitRequest:
     estimate: Sequence[str] = ()  #: "onset_shift"
     prior: Sequence[str] = ()  #: "damping=69 +- 5 1/s"
     bound: Sequence[str] = ()  #: "delay=5 ms .. 30 ms"
-    shared: str = "all"
+    shared: str = "auto"
 
 
 def requested_model(request: FitRequest, *, paddling: bool) -> GainModel:
@@ -84,17 +84,16 @@ def _settings(request: FitRequest, model: GainModel) -> dict[str, Unknown]:
             unknown = replace(unknown, **_bounds(name, bounds[name]))  # noqa: PLW2901
         if name in priors:
             unknown = replace(unknown, prior=_prior(name, priors[name]))  # noqa: PLW2901
-        if name in _OF_THE_LOOP:
-            unknown = replace(unknown, shared=_sharing(request.shared))  # noqa: PLW2901
         settings[name] = unknown
     return settings
 
 
-def _sharing(word: str) -> Sharing:
-    for known in ("all", "fly", "trial"):
+def requested_sharing(word: str) -> Shared:
+    """Whose loop is the same; InvalidInputError for another word."""
+    for known in ("auto", "all", "fly", "trial"):
         if word == known:
             return known
-    raise InvalidInputError(f"--shared must be all, fly or trial, got '{word}'.")
+    raise InvalidInputError(f"--shared must be auto, all, fly or trial, got '{word}'.")
 
 
 def _bounds(name: str, text: str) -> dict[str, float]:

@@ -85,8 +85,8 @@ def write_files_atomically(folder: Path, files: Mapping[str, str | bytes | Path]
     folder
         Where the files go; created with its parents if it does not exist.
     files
-        File names (plain names, no folders) and their contents; text is written as UTF-8, and a path is a finished file
-        in the same folder, which takes the name.
+        File names, with folders inside of the folder where they have any, and their contents; text is written as
+        UTF-8, and a path is a finished file in the same folder, which takes the name.
 
     Returns
     -------
@@ -98,8 +98,10 @@ def write_files_atomically(folder: Path, files: Mapping[str, str | bytes | Path]
     OutputError
         If anything could not be written: which file, and why.
     """
-    created = _create_folder(folder)
+    created: list[Path] = []
     try:
+        for parent in dict.fromkeys([folder, *((folder / name).parent for name in files)]):
+            created = _create_folder(parent) + created
         _write_all([(folder / name, content) for name, content in files.items()])
     except BaseException:
         for empty in created:

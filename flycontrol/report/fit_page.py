@@ -66,6 +66,13 @@ def write_fit_report(
     OutputError
         If the files cannot be written; earlier ones stay as they were.
     """
+    return write_files_atomically(folder, fit_files(study, parameters, command=command, progress=progress))
+
+
+def fit_files(
+    study: FitStudy, parameters: Parameters, *, command: str, progress: Progress = no_progress
+) -> dict[str, str]:
+    """Contents of what `write_fit_report` writes, by name."""
     origin = fit_provenance(study, command)
     files = {
         "result.json": fit_result_json(study, origin),
@@ -77,7 +84,7 @@ def write_fit_report(
     if stability is not None:
         files["stability.html"] = stability
     files["index.html"] = fit_page(study, origin, with_stability=stability is not None)
-    return write_files_atomically(folder, files)
+    return files
 
 
 def fit_page(study: FitStudy, origin: FitProvenance, *, with_stability: bool) -> str:

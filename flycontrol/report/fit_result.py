@@ -149,10 +149,11 @@ class FitProvenance:
 
 def fit_result_json(study: FitStudy, origin: FitProvenance) -> str:
     """Write everything as JSON, keys sorted, floats at full precision; what is not finite is null."""
-    return json.dumps(finite(_found(study, origin)), indent=1, sort_keys=True, ensure_ascii=False) + "\n"
+    return json.dumps(finite(fit_result(study, origin)), indent=1, sort_keys=True, ensure_ascii=False) + "\n"
 
 
-def _found(study: FitStudy, origin: FitProvenance) -> dict[str, Any]:
+def fit_result(study: FitStudy, origin: FitProvenance) -> dict[str, Any]:
+    """Everything as numbers, texts, lists and dictionaries."""
     result = study.result
     shared = [i for i, e in enumerate(result.estimates) if e.name == e.kind]
     correlation = result.correlation

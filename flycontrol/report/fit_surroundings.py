@@ -24,8 +24,8 @@ def surroundings(study: FitStudy) -> dict[str, Any]:
         "profiles": [_profile(profile) for profile in study.profiles.values()],
         "bootstrap": None if study.bootstrap is None else _bootstrap(study.bootstrap, study),
         "controllers": None if study.comparison is None else _controllers(study.comparison),
-        "flies": None if study.flies is None else _group(study.flies),
-        "recordings_alone": None if study.single is None else _group(study.single),
+        "flies": None if study.flies is None else group_fields(study.flies),
+        "recordings_alone": None if study.single is None else group_fields(study.single),
         "trade_offs": [each.sentence for each in study.trade_offs],
         "ridge": None if study.ridge is None else _ridge(study.ridge),
         "predictions": [
@@ -83,7 +83,8 @@ def _controllers(found: ControllerComparison) -> dict[str, Any]:
     }
 
 
-def _group(group: Group) -> dict[str, Any]:
+def group_fields(group: Group) -> dict[str, Any]:
+    """Fits one by one, and what is common to them."""
     return {
         "sentences": group_sentences(group),
         "fits": [

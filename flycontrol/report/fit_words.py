@@ -62,7 +62,7 @@ def _row(e: Estimate) -> EstimateRow:
     notes = [e.open_because] if e.open_because else []
     notes += ["at its bound"] if e.at_bound else []
     return EstimateRow(
-        words=words, symbol=symbol, plain=_plain(symbol), owner=owner(e), value=fixed(e.value / size, digits),
+        words=words, symbol=symbol, plain=plain(symbol), owner=owner(e), value=fixed(e.value / size, digits),
         interval=" to ".join(ends), error=fixed(e.standard_error / size, digits) if _finite(e) else ABSENT, unit=unit,
         note="; ".join(notes),
     )  # fmt: skip
@@ -75,7 +75,7 @@ def _finite(e: Estimate) -> bool:
 def _fixed_row(name: str, value: float) -> EstimateRow:
     words, symbol, unit, size = KINDS[name]
     return EstimateRow(
-        words=words, symbol=symbol, plain=_plain(symbol), owner="", value=f"{value / size:.6g}".replace("-", "−"),
+        words=words, symbol=symbol, plain=plain(symbol), owner="", value=f"{value / size:.6g}".replace("-", "−"),
         interval="fixed", error=ABSENT, unit=unit, note="",
     )  # fmt: skip
 
@@ -93,7 +93,8 @@ def digits_for(error: float, value: float) -> int:
     return min(max(1 - math.floor(math.log10(size)), 0), 9)
 
 
-def _plain(symbol: str) -> str:
+def plain(symbol: str) -> str:
+    """Turn a symbol in HTML into text: K_P."""
     for tag, text in (("<sub>", "_"), ("</sub>", ""), ("<i>", ""), ("</i>", "")):
         symbol = symbol.replace(tag, text)
     return symbol
@@ -111,7 +112,7 @@ def differing_flies(study: FitStudy) -> str:
         mean, low, high, spread = (
             fixed(v / size, digits) for v in (effect.mean, effect.mean_low, effect.mean_high, effect.deviation)
         )
-        said.append(f"{_plain(symbol)} {mean} {unit} ({low} to {high}, standard deviation between flies {spread})")
+        said.append(f"{plain(symbol)} {mean} {unit} ({low} to {high}, standard deviation between flies {spread})")
     return (
         "The flies differ, so the intervals of the pooled fit are not those of a population; "
         f"over {flies.effects[0].count if flies.effects else 0} flies: {'; '.join(said)}."

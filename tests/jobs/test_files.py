@@ -189,3 +189,12 @@ def test_a_folder_where_no_file_can_be_created_is_refused(tmp_path, monkeypatch)
 def test_asking_whether_a_folder_is_writable_leaves_nothing_behind(tmp_path):
     require_writable_folder(tmp_path / "a" / "b")
     assert contents(tmp_path) == {}
+
+
+def test_files_in_folders_of_their_own_are_written_all_or_none(tmp_path):
+    (tmp_path / "blocked").write_text("a file where a folder must be")
+    with pytest.raises(OutputError, match="blocked"):
+        write_files_atomically(tmp_path, {"index.html": "a", "fly1/index.html": "b", "blocked/index.html": "c"})
+    assert [path.name for path in tmp_path.iterdir()] == ["blocked"]
+    write_files_atomically(tmp_path, {"index.html": "a", "fly1/index.html": "b"})
+    assert (tmp_path / "fly1" / "index.html").read_text() == "b"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from flycontrol.identify.gains.labour import Labour
@@ -33,12 +33,17 @@ class Stages:
         """Labour for parts that are quick to do again."""
         return Labour(workers=self.workers, progress=self.progress)
 
+    def within(self, part: str) -> Stages:
+        """The same for one of several studies, its parts in a folder of their own."""
+        return self if self.folder is None else replace(self, folder=self.folder / part)
+
     def clear(self) -> None:
         """Remove all that was kept, once the results are safe."""
         if self.folder is None or not self.folder.is_dir():
             return
-        for part in self.folder.iterdir():
-            Checkpoint(part, "any").remove()
+        for part in sorted(self.folder.rglob("*"), reverse=True):  # the innermost first
+            if part.is_dir():
+                Checkpoint(part, "any").remove()
         with contextlib.suppress(OSError):
             self.folder.rmdir()
 

@@ -10,7 +10,7 @@ from typing import Any, cast
 import numpy as np
 
 from flycontrol.errors import FlycontrolError
-from flycontrol.identify.gains.alone import LoneFit, fits_alone
+from flycontrol.identify.gains.alone import By, LoneFit, fits_alone
 from flycontrol.identify.gains.bootstrap import Bootstrap, Resampling, bootstrap
 from flycontrol.identify.gains.consequences import Consequences, consequences
 from flycontrol.identify.gains.design import TradeOff, trade_offs
@@ -112,6 +112,23 @@ def fit_study(
     return _Study(trials, model, options or FitOptions(), stages or Stages()).run()
 
 
+def group_of(trials: Sequence[Trial], model: GainModel, by: By, options: FitOptions, stages: Stages) -> Group:
+    """Each fly, or each recording, fitted alone with the others left out, and how they differ."""
+    identity = identity_of(trials, model, options.noise, options.loss, options.level)
+    fits = fits_alone(
+        trials, model, by=by, noise=options.noise, loss=options.loss, labour=stages.labour(f"fits-by-{by}", identity)
+    )
+    usable = [fit for fit in fits if fit.usable]
+    if len(usable) < 2:
+        return Group(fits=fits, outliers=outliers(fits))
+    return Group(
+        fits=fits,
+        homogeneity=homogeneity(trials, model, fits, options.loss),
+        effects=tuple(random_effects(fits, kind, options.level) for kind in usable[0].kinds),
+        outliers=outliers(fits),
+    )
+
+
 class _Study:
     """The parts in their order, and the sentences of those that could not be had."""
 
@@ -160,24 +177,14 @@ class _Study:
         found = self.stages.labour("profiles", self.identity).done(work)
         return {name: Profile(**cast("dict[str, Any]", each)) for name, each in zip(names, found, strict=True)}
 
-    def _group(self, by: str, count: int) -> Group | None:
+    def _group(self, by: By, count: int) -> Group | None:
         if count < 2 or not self.pooled:
             return None
-        options, which = self.options, "fly" if by == "fly" else "recording"
-        fits = fits_alone(
-            self.trials, self.model, by=which, noise=options.noise, loss=options.loss,
-            labour=self.stages.labour(f"fits-by-{by}", self.identity),
-        )  # fmt: skip
-        usable = [fit for fit in fits if fit.usable]
-        if len(usable) < 2:
-            self.absent[by] = f"Only {len(usable)} of {count} could be fitted alone, so they are not compared."
-            return Group(fits=fits, outliers=outliers(fits))
-        return Group(
-            fits=fits,
-            homogeneity=homogeneity(self.trials, self.model, fits, options.loss),
-            effects=tuple(random_effects(fits, kind, options.level) for kind in usable[0].kinds),
-            outliers=outliers(fits),
-        )
+        group = group_of(self.trials, self.model, by, self.options, self.stages)
+        if group.homogeneity is None:
+            usable = sum(fit.usable for fit in group.fits)
+            self.absent[by] = f"Only {usable} of {count} could be fitted alone, so they are not compared."
+        return group
 
     def _predictions(self, result: FitResult) -> tuple[Prediction, ...]:
         if len(self.trials) < 2 or not self.pooled or not result.converged:
