@@ -43,7 +43,7 @@ class LoneFit:
     free: int  #: unknowns that the data determine, its own ones included
     minimum: Mapping[str, float]  #: all its unknowns at the minimum, not corrected: "kp", "impulse[trial 3]"
     noise: tuple[tuple[Noise, ...], ...]  #: by recording, by channel
-    usable: bool  #: converged, a perturbation and a response found, all shared unknowns determined
+    usable: bool  #: by its status as of any fit, and all shared unknowns determined
     status: str  #: the fit's sentence
 
     def estimate(self, kind: str) -> float:
@@ -137,7 +137,7 @@ def _packed(found: FitResult) -> dict[str, Any]:
             [{"deviation": n.deviation, "pacf": n.pacf, "uncertainty": n.uncertainty} for n in channels]
             for channels in found.noise
         ],
-        "usable": bool(found.converged and all(np.isfinite(found.estimates[i].standard_error) for i in shared)),
+        "usable": bool(found.usable and all(np.isfinite(found.estimates[i].standard_error) for i in shared)),
         "status": found.status,
     }
 

@@ -29,6 +29,7 @@ from flycontrol.identify.gains.noise import Noise, estimate, order_by_bic, white
 from flycontrol.identify.gains.problem import Channel, fit_problem
 from flycontrol.identify.gains.profile import Profile
 from flycontrol.identify.gains.result import FitResult
+from flycontrol.identify.gains.saturation import without_unreached
 from flycontrol.identify.gains.starts import starting_points
 from flycontrol.identify.gains.status import nothing_there, status
 from flycontrol.identify.gains.uncertainty import LocalUncertainty, local_uncertainty
@@ -80,7 +81,7 @@ def fit_gains(
     bent = {} if nothing else doubtful_profiles(weighted, minimum, uncertainty, level)
     lower = next((found.lower for found in bent.values() if found.lower is not None), None)
     if lower is not None:  # a ridge led further down than all searches
-        weighted, minimum = _with_noise(weighted, minimise(weighted, lower), noise)
+        weighted, minimum = _settled(weighted, minimise(weighted, lower), noise)
         uncertainty = local_uncertainty(weighted, minimum)
         bent = doubtful_profiles(weighted, minimum, uncertainty, level)
     return _result(weighted, minimum, uncertainty, bent, level)
@@ -110,7 +111,12 @@ def _searched(
     guessed = [[white(_roughness(channel), 1.0) for channel in part.channels] for part in problem.parts]
     weighted = WeightedProblem(problem, guessed, loss)
     minimum = minimise(weighted, start) if start is not None else _best_minimum(weighted)
-    return _with_noise(weighted, minimum, noise)
+    return _settled(weighted, minimum, noise)
+
+
+def _settled(weighted: WeightedProblem, minimum: Minimum, noise: str | int) -> tuple[WeightedProblem, Minimum]:
+    weighted, minimum = _with_noise(weighted, minimum, noise)
+    return weighted, without_unreached(weighted, minimum)
 
 
 def _result(
@@ -119,7 +125,8 @@ def _result(
 ) -> FitResult:  # fmt: skip
     nothing = nothing_there(weighted, minimum, uncertainty)
     found = estimates(weighted, minimum, uncertainty, level, bent)
-    found = without_meaning(found, nothing) if nothing else found
+    useless = nothing or ("" if minimum.converged else "not converged")
+    found = without_meaning(found, useless) if useless else found
     return FitResult(
         problem=weighted.problem, weighted=weighted, minimum=minimum, uncertainty=uncertainty, estimates=found,
         level=level, converged=minimum.converged, status=status(weighted, minimum, uncertainty, found, nothing),

@@ -13,6 +13,7 @@ from flycontrol.identify.gains.least_squares import Minimum, WeightedProblem, mi
 from flycontrol.identify.gains.profile import Profile, profiles
 from flycontrol.identify.gains.response import UNITS
 from flycontrol.identify.gains.result import Estimate
+from flycontrol.identify.gains.saturation import least_limit, unreached
 from flycontrol.identify.gains.uncertainty import LocalUncertainty
 
 FloatArray = NDArray[np.float64]
@@ -43,9 +44,9 @@ def estimates(
 
 
 def without_meaning(found: tuple[Estimate, ...], reason: str) -> tuple[Estimate, ...]:
-    """The same where nothing was found: what describes the fly's control has intervals without ends."""
-    short = reason.partition(":")[0]
-    return tuple(e if e.kind in _LINEAR else replace(e, low=-np.inf, high=np.inf, open_because=short) for e in found)
+    """The same where nothing was found: what describes the fly's control has no error and intervals without ends."""
+    nothing = {"low": -np.inf, "high": np.inf, "standard_error": np.inf, "open_because": reason.partition(":")[0]}
+    return tuple(e if e.kind in _LINEAR else replace(e, **nothing) for e in found)
 
 
 def _linear(
@@ -56,6 +57,8 @@ def _linear(
     width = float(scipy.special.stdtrit(uncertainty.freedom[i], 0.5 + level / 2)) * error
     value = float(np.clip(minimum.x[i] - uncertainty.bias[i], problem.low[i], problem.high[i]))
     kind, blind = problem.kinds[i], bool((np.abs(uncertainty.unidentifiable[:, i]) > 0.1).any())
+    if minimum.held[i] and not at_bound(weighted, minimum)[i]:
+        return _unreached(weighted, minimum, uncertainty, level, i)
     return Estimate(
         name=problem.names[i], kind=kind, unit=UNITS[kind], value=value, standard_error=error,
         low=value - width, high=value + width, freedom=float(uncertainty.freedom[i]),
@@ -64,14 +67,35 @@ def _linear(
     )  # fmt: skip
 
 
+def _unreached(
+    weighted: WeightedProblem, minimum: Minimum, uncertainty: LocalUncertainty, level: float, i: int
+) -> Estimate:
+    """A torque limit without effect: none is the best, and one end of its interval is known."""
+    t = float(scipy.special.stdtrit(uncertainty.freedom[i], 0.5 + level / 2))
+    kind = weighted.problem.kinds[i]
+    return Estimate(
+        name=weighted.problem.names[i], kind=kind, unit=UNITS[kind], value=np.inf, standard_error=np.inf,
+        low=least_limit(weighted, minimum, i, t), high=np.inf, freedom=float(uncertainty.freedom[i]), bias=0.0,
+        at_bound=False, method="profile", open_because="the torque never saturates in these data",
+    )  # fmt: skip
+
+
+def at_bound(weighted: WeightedProblem, minimum: Minimum) -> NDArray[np.bool_]:
+    """Unknowns (k,) that a bound holds; a torque limit that is never reached is held, but by no bound."""
+    problem, x = weighted.problem, minimum.x
+    return minimum.held & ((x <= problem.low) | (x >= problem.high)) & ~unreached(weighted, x)
+
+
 def _doubtful(weighted: WeightedProblem, minimum: Minimum, uncertainty: LocalUncertainty, level: float) -> list[str]:
     """All unknowns whose intervals may be false: none if sqrt(D) is straight between the ends of linear intervals."""
     problem = weighted.problem
     if len(uncertainty.unidentifiable):
         return []  # a valley without end: profiles would only walk along it
-    asked = [i for i, kind in enumerate(problem.kinds) if kind not in _LINEAR]
-    if minimum.held.any() or any(_bends(weighted, minimum, uncertainty, level, i) for i in asked):
-        return [problem.names[i] for i in (range(len(problem.names)) if len(problem.parts) == 1 else asked)]
+    bound = at_bound(weighted, minimum)
+    seen = [i for i in range(len(problem.names)) if bound[i] or not minimum.held[i]]
+    asked = [i for i in seen if problem.kinds[i] not in _LINEAR]
+    if bound.any() or any(_bends(weighted, minimum, uncertainty, level, i) for i in asked):
+        return [problem.names[i] for i in (seen if len(problem.parts) == 1 else asked)]
     return []
 
 

@@ -47,7 +47,7 @@ class Minimum:
     x: FloatArray  #: (k,)
     at: NormalEquations
     converged: bool
-    held: NDArray[np.bool_]  #: (k,) unknowns at a bound
+    held: NDArray[np.bool_]  #: (k,) unknowns at a bound, and torque limits that are never reached
     steps: int
 
 

@@ -23,7 +23,6 @@ GAINS: dict[Controller, tuple[str, ...]] = {
     "PI": ("kp", "ki"),
     "PID": ("kp", "kd", "ki"),
 }
-_LOCAL = ("impulse", "onset_shift", "initial_yaw", "initial_rate", "heading")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -65,7 +64,7 @@ _STANDARD: dict[str, Unknown] = {
     "ki": Unknown(low=-1e7, high=1e7),
     "delay": Unknown(low=1 * ms, high=60 * ms),
     "damping": Unknown(low=0.0, high=2e3),
-    "limit": Unknown(low=1.0),
+    "limit": Unknown(low=1.0, high=1e7),  # a thousand times what recoveries need
     "paddling_gain": Unknown(),
 }
 
@@ -108,6 +107,13 @@ class GainModel:
         return replace(self, unknown=missing | unknown, known=known)
 
 
+def standard_unknown(name: str) -> Unknown:
+    """How a parameter is estimated unless something else is asked for."""
+    if name not in UNITS:
+        raise InvalidParameterError(f"Unknown parameter {name!r}; there are {', '.join(NAMES)}.")
+    return _STANDARD[name] if name in _STANDARD else Unknown(shared="trial")
+
+
 def gain_model(
     controller: Controller = "PD",
     *,
@@ -140,8 +146,5 @@ def gain_model(
     asked = [*GAINS[controller], "delay", "damping", "impulse", "heading", "initial_yaw", "initial_rate"]
     every: dict[str, None] = dict.fromkeys([*asked, *estimate, *(settings or {})])
     names = [name for name in every if name not in known]
-    standard = _STANDARD | {name: Unknown(shared="trial") for name in _LOCAL}
-    for name in names:
-        if name not in standard:
-            raise InvalidParameterError(f"Unknown parameter {name!r}; there are {', '.join(NAMES)}.")
+    standard = {name: standard_unknown(name) for name in names}
     return GainModel(unknown={name: (settings or {}).get(name, standard[name]) for name in names}, known=known)

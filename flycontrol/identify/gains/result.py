@@ -20,6 +20,8 @@ from flycontrol.model.yaw import YawLoop
 
 FloatArray = NDArray[np.float64]
 IntervalMethod = Literal["linear", "profile"]
+#: With which sentences of a status begin that forbid the use of the estimates.
+_USELESS = ("not converged:", "not identifiable:", "no perturbation visible", "no response found")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,7 +31,7 @@ class Estimate:
     name: str  #: "kp", or "impulse[trial 3]"
     kind: str  #: "kp", "impulse"
     unit: str
-    value: float
+    value: float  #: infinite for a torque limit that is never reached
     standard_error: float  #: infinite where the data say nothing, or at a bound
     low: float  #: of the interval
     high: float
@@ -61,6 +63,17 @@ class FitResult:
         raise InvalidParameterError(
             f"No unknown is named {name!r}; there are {', '.join(e.name for e in self.estimates)}."
         )
+
+    @property
+    def usable(self) -> bool:
+        """Whether the status lets the estimates be used: converged, something found, intervals narrow enough."""
+        return self.converged and not any(word in self.status for word in _USELESS)
+
+    @property
+    def found_nothing(self) -> bool:
+        """Whether the data say nothing of the loop: its unknowns have intervals without ends."""
+        loop = [e for e in self.estimates if e.kind in ("kp", "kd", "ki", "delay", "damping")]
+        return bool(loop) and all(np.isinf(e.low) and np.isinf(e.high) for e in loop)
 
     @property
     def controller(self) -> Controller:

@@ -28,6 +28,7 @@ _MEANING = {
     "initial_rate": "the fly was already turning at the start",
     "onset_shift": "the perturbation came at another time than recorded",
 }
+_WHAT = {"initial_yaw": "the yaw at the start", "initial_rate": "the yaw rate at the start", "onset_shift": "the onset"}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,6 +40,11 @@ class ScoreTest:
     p: float
     expected: float  #: one step's estimate of what it is, in `unit`
     unit: str
+
+    @property
+    def what(self) -> str:
+        """What may be wrong, as a noun."""
+        return _WHAT[self.kind]
 
     @property
     def sentence(self) -> str:

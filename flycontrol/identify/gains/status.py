@@ -6,11 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from flycontrol.identify.gains.alternatives import best_alternative, clearly_better, gain_of_freeing
 from flycontrol.identify.gains.data_limits import what_the_data_cannot_say
 from flycontrol.identify.gains.least_squares import Minimum, WeightedProblem
+from flycontrol.identify.gains.model import GAINS, Unknown, standard_unknown
 from flycontrol.identify.gains.result import Estimate
-from flycontrol.identify.gains.score import score_tests
+from flycontrol.identify.gains.score import ScoreTest, score_tests
 from flycontrol.identify.gains.significance import perturbation_test, response_test
+from flycontrol.identify.gains.spoken import spoken, spoken_range
 from flycontrol.identify.gains.uncertainty import LocalUncertainty
 
 _LEVEL = 0.01  #: of tests; shared among the score tests
@@ -28,17 +31,13 @@ def status(
 
     An unknown counts as not identifiable if half its interval is wider than its use: than half the estimate for the
     delay, than the estimate for K_P and damping, than sqrt(K_P) for K_D, as much as changes the loop's damping ratio
-    by a half.
+    by a half. What lies at a bound is said before, since widening the bound may mend the rest.
     """
-    first = (
-        nothing
-        or _not_converged(minimum)
-        or _without_trace(weighted, uncertainty)
-        or _useless(estimates)
-        or _at_a_bound(estimates)
-        or "converged: one minimum inside all bounds."
-    )
-    return " ".join([first, *_held_too_tightly(weighted, minimum, uncertainty)])
+    bound = _at_a_bound(weighted, minimum, estimates)
+    vague = _without_trace(weighted, uncertainty) or _useless(weighted, estimates)
+    first = nothing or _not_converged(minimum) or " ".join(said for said in (bound, vague) if said)
+    rest = [*_never_saturated(estimates), *_held_too_tightly(weighted, minimum, uncertainty)]
+    return " ".join([first or "converged: one minimum inside all bounds.", *rest])
 
 
 def nothing_there(weighted: WeightedProblem, minimum: Minimum, uncertainty: LocalUncertainty) -> str:
@@ -64,7 +63,10 @@ def nothing_there(weighted: WeightedProblem, minimum: Minimum, uncertainty: Loca
 def _not_converged(minimum: Minimum) -> str:
     if minimum.converged:
         return ""
-    return f"not converged: the search stopped after {minimum.steps} steps; give starting values or fix a parameter."
+    return (
+        f"not converged: the search stopped after {minimum.steps} steps, so the estimates mean nothing; fix what is "
+        "known, or bound it where it can lie."
+    )
 
 
 def _without_trace(weighted: WeightedProblem, uncertainty: LocalUncertainty) -> str:
@@ -72,33 +74,63 @@ def _without_trace(weighted: WeightedProblem, uncertainty: LocalUncertainty) -> 
         return ""
     weights = np.abs(uncertainty.unidentifiable).max(axis=0)
     lost = [name for name, weight in zip(weighted.problem.names, weights, strict=True) if weight > _BLIND]
-    return f"not identifiable: {' and '.join(lost)} trade off without trace in these data; fix one or add recordings."
+    said = f"{' and '.join(lost)} trade off" if len(lost) > 1 else f"{lost[0]} is"
+    return f"not identifiable: {said} without trace in these data; fix one or add recordings."
 
 
-def _useless(estimates: Sequence[Estimate]) -> str:
+def _useless(weighted: WeightedProblem, estimates: Sequence[Estimate]) -> str:
     kp = next((e.value for e in estimates if e.kind == "kp"), np.inf)
     scale = {"kd": np.sqrt(abs(kp))}
     share = {"delay": 0.5, "kp": 1.0, "damping": 1.0}
     wide = [
         e
-        for e in estimates
+        for e, setting in zip(estimates, weighted.problem.settings, strict=True)
         if e.kind in {*share, *scale}
-        and not 0.5 * (e.high - e.low) <= scale.get(e.kind, share.get(e.kind, 1.0) * abs(e.value))
+        and not _is_cut(e)
+        and not _half_width(e, setting) <= scale.get(e.kind, share.get(e.kind, 1.0) * abs(e.value))
     ]
     if not wide:
         return ""
-    said = [f"{e.name} from {e.low:.4g} to {e.high:.4g} {e.unit}" for e in wide]
+    said = [f"{e.name} {spoken_range(e.low, e.high, e.unit)}" for e in wide]
     reason = next((f" ({e.name}: {e.open_because})" for e in wide if e.open_because), "")
     return (
         f"not identifiable: the intervals are too wide for use, {', '.join(said)}{reason}; fix one or add recordings."
     )
 
 
-def _at_a_bound(estimates: Sequence[Estimate]) -> str:
-    held = [e.name for e in estimates if e.at_bound]
-    if not held:
-        return ""
-    return f"at a bound: {' and '.join(held)}; the data pull further, so widen the bound or doubt the model."
+def _is_cut(e: Estimate) -> bool:
+    """Whether an estimate lies at a bound, and the data end its interval on the other side."""
+    return e.at_bound and bool(np.isfinite(e.low) or np.isfinite(e.high))
+
+
+def _half_width(e: Estimate, setting: Unknown) -> float:
+    """Of an interval; what the user ruled out by a bound does not count as open."""
+    standard = standard_unknown(e.kind)
+    low = max(e.low, setting.low) if setting.low != standard.low else e.low
+    high = min(e.high, setting.high) if setting.high != standard.high else e.high
+    return 0.5 * (high - low)
+
+
+def _at_a_bound(weighted: WeightedProblem, minimum: Minimum, estimates: Sequence[Estimate]) -> str:
+    said: list[str] = []
+    for i, (e, setting) in enumerate(zip(estimates, weighted.problem.settings, strict=True)):
+        if not e.at_bound:
+            continue
+        standard, upper = standard_unknown(e.kind), minimum.x[i] >= setting.high
+        side, end = ("upper", setting.high) if upper else ("lower", setting.low)
+        own = end != (standard.high if upper else standard.low)
+        whose, mend = ("your", "widen it, or doubt the model") if own else ("the", "doubt the model")
+        said.append(f"the best {e.name} lies at {whose} {side} bound of {spoken(end, e.unit)}; {mend}")
+    return f"at a bound: {'; '.join(said)}." if said else ""
+
+
+def _never_saturated(estimates: Sequence[Estimate]) -> list[str]:
+    return [
+        f"{e.name} is not determined: the torque never saturates in these data, so it is at least "
+        f"{spoken(e.low, e.unit, 2)}; leave it out."
+        for e in estimates
+        if e.kind == "limit" and np.isinf(e.value)
+    ]
 
 
 def _held_too_tightly(weighted: WeightedProblem, minimum: Minimum, uncertainty: LocalUncertainty) -> list[str]:
@@ -110,4 +142,21 @@ def _held_too_tightly(weighted: WeightedProblem, minimum: Minimum, uncertainty: 
         return []
     tests = score_tests(weighted, minimum, uncertainty)
     passed = [test for test in tests if test.p * len(tests) < _LEVEL]
-    return [test.sentence for test in passed[:1]]
+    return [
+        _explained(weighted, minimum, test, [each.kind for each in tests if each is not test]) for test in passed[:1]
+    ]
+
+
+def _explained(weighted: WeightedProblem, minimum: Minimum, test: ScoreTest, others: Sequence[str]) -> str:
+    """What the test found, unless a gain, or something else that is held, explains as much when it is freed."""
+    other = best_alternative(weighted, minimum, others)
+    if other is None:
+        return test.sentence
+    own = gain_of_freeing(weighted, minimum, test.kind)
+    if clearly_better(own, other.gain):
+        return f"{test.sentence} It removes more of the misfit than {other.kind} would."
+    doubt = f"{test.trial}: either {test.what} or the model is wrong (score test, p = {test.p:.2g})"
+    mend = f"choose a controller that has {other.kind}" if other.kind in GAINS["PID"] else f"estimate {other.kind}"
+    if clearly_better(other.gain, own):
+        return f"{doubt}; a free {other.kind} removes more of the misfit than {test.kind}, so {mend} first."
+    return f"{doubt}; a free {other.kind} removes as much of the misfit, so {mend} or estimate {test.kind}."

@@ -78,7 +78,8 @@ def _freedom(weighted: WeightedProblem, x: FloatArray, C: FloatArray) -> FloatAr
             variance += np.einsum("ai,ab,bi->i", slopes, noise.uncertainty, slopes)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         found = 2.0 * np.diag(C) ** 2 / variance
-    return np.clip(np.nan_to_num(found, nan=1.0, posinf=1e6), 1.0, 1e6)
+    seen = np.isfinite(found)  # what is held has no variance here: it is judged as the least certain of the others
+    return np.clip(np.where(seen, found, found[seen].min(initial=1e6)), 1.0, 1e6)
 
 
 def _slope(C: FloatArray, H: FloatArray) -> FloatArray:
@@ -116,7 +117,8 @@ def _steps(C: FloatArray, part: TrialPart, room: FloatArray) -> list[tuple[float
     for value, vector in zip(values, vectors.T, strict=True):
         column = np.zeros(len(room))
         column[part.places] = np.sqrt(max(value, 0.0)) * vector
-        fits = 0.9 * room / np.maximum(np.abs(column), 1e-300)
+        with np.errstate(over="ignore"):  # much room, no step
+            fits = 0.9 * room / np.maximum(np.abs(column), 1e-300)
         fraction = min(_STEP, float(fits.min()))
         if value > 0 and fraction > _SHORTEST:
             steps.append((fraction, column))

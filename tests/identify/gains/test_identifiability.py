@@ -1,5 +1,6 @@
 """What a fit says where the data say little: nothing visible, no response, trade-offs, something wrongly held."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +9,8 @@ from perturbed_fly import AT_REST, PULSE, TIMES, TRUTH, recording
 
 from flycontrol.identify.gains.design import expected_covariance, trade_offs
 from flycontrol.identify.gains.fit import fit_gains
-from flycontrol.identify.gains.model import gain_model
+from flycontrol.identify.gains.least_squares import minimise
+from flycontrol.identify.gains.model import Unknown, gain_model
 from flycontrol.identify.gains.response import yaw_response
 from flycontrol.identify.gains.score import score_tests
 from flycontrol.model.trial import Pulse, Trial
@@ -46,6 +48,63 @@ def test_an_interval_too_wide_for_use_is_not_identifiable():
     status = fit_gains([recording(1, truth=flat)], MODEL).status
     assert status.startswith("not identifiable: the intervals are too wide for use, kd from")
     assert "the likelihood stays above the threshold down to the bound of 0.001 s" in status
+
+
+def test_an_upper_bound_that_the_data_push_against_is_named_and_leaves_one_open_side():
+    model = gain_model(fixed=AT_REST | {"damping": 69.0}, settings={"delay": Unknown(low=5 * ms, high=10 * ms)})
+    found = fit_gains([recording(0)], model)
+    delay = found["delay"]
+    assert found.status.startswith("at a bound: the best delay lies at your upper bound of 10 ms; widen it")
+    assert "not identifiable" not in found.status
+    assert delay.at_bound
+    assert 9 * ms < delay.low < 10 * ms  # far closer than the 5 ms down to the other bound, which the data exclude
+    assert delay.high == np.inf
+
+
+def test_what_a_bound_rules_out_does_not_make_an_interval_too_wide():
+    """The data leave a half millisecond on either side; the bound cuts the upper part of it."""
+    free = fit_gains([recording(0)], KNOWN_DAMPING)["delay"]
+    bound = {"delay": Unknown(low=1 * ms, high=free.value + 0.2 * (free.high - free.value))}
+    found = fit_gains([recording(0)], gain_model(fixed=AT_REST | {"damping": 69.0}, settings=bound))
+    assert found.status.startswith("converged")
+
+
+def test_a_limit_that_no_torque_reaches_is_said_by_name_with_the_least_that_it_can_be():
+    """The strongest torque of the fly below is 2,000 1/s^2; tanh of it departs by 1 % at a sixth of a limit."""
+    found = fit_gains([recording(2)], gain_model(fixed=AT_REST | {"damping": 69.0}, estimate=["limit"]))
+    limit = found["limit"]
+    assert found.status.startswith("converged: one minimum inside all bounds. limit is not determined: the torque")
+    assert (limit.value, limit.high) == (np.inf, np.inf)
+    t = 1.97
+    for value, sign in ((0.97 * limit.low, 1), (1.03 * limit.low, -1)):
+        at = found.minimum.x.copy()
+        at[found.problem.names.index("limit")] = value
+        there = minimise(found.weighted, at, scale=1.0, fixed=[found.problem.names.index("limit")])
+        assert sign * (there.at.cost - found.minimum.at.cost - t**2) > 0
+    plain = fit_gains([recording(2)], KNOWN_DAMPING)
+    for name in ("kp", "kd", "delay"):  # as if the limit had not been asked for
+        assert found[name].value == pytest.approx(plain[name].value, abs=0.05 * plain[name].standard_error)
+        assert found[name].standard_error == pytest.approx(plain[name].standard_error, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("model", "freed"),
+    [
+        (gain_model("P", fixed=AT_REST | {"damping": 69.0, "delay": TRUTH["delay"]}), "kd"),
+        (gain_model(fixed=AT_REST | {"delay": 8 * ms}), "delay"),
+    ],
+)
+def test_a_wrong_controller_or_delay_is_not_taken_for_a_wrong_onset(model, freed):
+    status = fit_gains([recording(0)], model).status
+    assert "came at another time" not in status
+    assert re.search(f"either the .* or the model is wrong .*; a free {freed} removes more of the misfit", status)
+
+
+def test_an_onset_that_explains_more_than_any_freed_parameter_is_asserted():
+    late = replace(recording(0, noise=0.1, perturbation=Pulse(onset=12 * ms, duration=4.5 * ms)), perturbation=PULSE)
+    status = fit_gains([late], MODEL).status
+    assert "the perturbation came at another time than recorded" in status
+    assert "It removes more of the misfit than" in status
 
 
 def test_a_fly_that_turned_before_the_onset_is_noticed():

@@ -1,8 +1,11 @@
 """A search that begins, or is led, where responses overflow ends with a status, not with an error."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
+from flycontrol.identify.gains.fit import fit_gains
 from flycontrol.identify.gains.least_squares import WeightedProblem, minimise
 from flycontrol.identify.gains.model import Unknown, gain_model
 from flycontrol.identify.gains.noise import white
@@ -28,3 +31,15 @@ def test_a_start_from_which_responses_overflow_is_not_called_converged(kd):
     )
     found = minimise(WeightedProblem(problem, [[white(0.005, 100)]]), start)
     assert not found.converged or abs(found.x[problem.kinds.index("kd")] - 45.0) < 1e-3
+
+
+def test_estimates_of_a_search_that_ran_out_of_steps_have_no_intervals(monkeypatch):
+    yaw = yaw_response(TRUTH, TIMES, PULSE).yaw + 1e-3 * np.random.default_rng(0).standard_normal(len(TIMES))
+    trial = Trial(name="fly", time=TIMES, yaw=yaw, rate=2000.0, perturbation=PULSE)
+    monkeypatch.setattr("flycontrol.identify.gains.fit.minimise", partial(minimise, most_steps=1))
+    found = fit_gains([trial])
+    assert found.status.startswith("not converged: the search stopped after 1 steps, so the estimates mean nothing")
+    assert "starting values" not in found.status
+    assert not found.usable
+    loop = [found[kind] for kind in ("kp", "kd", "delay", "damping")]
+    assert all((e.low, e.high, e.standard_error) == (-np.inf, np.inf, np.inf) for e in loop)

@@ -1,6 +1,7 @@
 """Flies compared with each other: shared gains, their spread, predictions from the others, outliers by name."""
 
 import functools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -51,6 +52,17 @@ def alike():
     """Six recordings of three flies of one kind, pooled and alone."""
     those = trials(0, 6, flies=3)
     return those, fit_gains(those, MODEL, noise="white"), fits_alone(those, MODEL, by="recording", noise="white")
+
+
+def test_a_fit_inside_a_group_is_judged_as_the_same_fit_alone():
+    """The second recording ends 25 ms after the onset, before a reflex could act and be answered."""
+    whole, cut = trials(0, 2, flies=2)
+    cut = replace(cut, time=cut.time[:71], yaw=cut.yaw[:71])
+    inside, alone = fits_alone([whole, cut], MODEL), [fit_gains([trial], MODEL) for trial in (whole, cut)]
+    assert [fit.usable for fit in inside] == [True, False]
+    assert [fit.status for fit in inside] == [found.status for found in alone]
+    assert alone[1].status.startswith("not identifiable: the longest recording shows 25 ms after the onset")
+    assert alone[1]["kp"].standard_error == np.inf
 
 
 def test_without_noise_every_fly_alone_gives_its_own_gains_back():
