@@ -5,12 +5,13 @@ I psi'' = -beta psi' + gamma d_alpha + N_ext,    d_alpha = mu d_eta0
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from flycontrol.errors import InvalidParameterError
 from flycontrol.flight.flapping_fly import FlappingFly
+from flycontrol.flight.hinge_transmission import HingeTransmission
 from flycontrol.model.stroke_kinematics import StrokeKinematics
 from flycontrol.model.yaw import PDController, PIDController, YawLoop, YawPlant
 from flycontrol.reduce.yaw_inertia import YawInertia, yaw_inertia
@@ -24,8 +25,8 @@ class ReducedYaw:
     inertia: YawInertia
     damping: float  #: beta [N m s]
     paddling: float  #: gamma [N m/rad]
-    damping_error: float  #: what half as many instants change of beta [N m s]
-    paddling_error: float  #: what half as many instants change of gamma [N m/rad]
+    damping_error: float  #: what half as many instants change of beta; NaN where the hinge made it [N m s]
+    paddling_error: float  #: what half as many instants change of gamma; NaN where the hinge made it [N m/rad]
     wingbeat_frequency: float  #: [1/s]
     transmission: float | None = None  #: mu = d d_alpha / d eta0 of the hinge [1]
 
@@ -66,6 +67,17 @@ class ReducedYaw:
     def by_hinge(self, gains: PDController | PIDController) -> PDController | PIDController:
         """Torque gains of gains whose output is a hinge bias d_eta0: K = gamma mu k.  Review, Eq. 8."""
         return _scaled(gains, self.hinge_torque)
+
+    def through(self, hinge: HingeTransmission) -> ReducedYaw:
+        """The same body with wings that pitch passively: beta, gamma and mu of their springs.
+
+        Mu is that of the torque, so that gamma mu is the torque per bias. A wing that gives way as the body turns damps
+        it less than one whose pitch is prescribed.
+        """
+        return replace(
+            self, damping=hinge.damping, paddling=hinge.torque_per_paddling, transmission=hinge.mu_torque,
+            damping_error=float("nan"), paddling_error=float("nan"),
+        )  # fmt: skip
 
     def loop(self, controller: PDController | PIDController, delay: float) -> YawLoop:
         """The closed loop of Eq. 7 on this plant; gains in torque, delay T [s]."""

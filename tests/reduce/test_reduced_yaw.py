@@ -6,7 +6,12 @@ import pytest
 from reduced_fly import FLY, MELANOGASTER, derivatives, hover, trim
 
 from flycontrol.errors import InvalidParameterError
+from flycontrol.flight.hinge_fit import at_pitch_axis
+from flycontrol.flight.hinge_transmission import hinge_transmission
+from flycontrol.model.hinge import DampedSpring
+from flycontrol.model.references import references
 from flycontrol.model.yaw import PDController, PIDController, YawLoop
+from flycontrol.reduce.beside_published import beside_published
 from flycontrol.reduce.reduced_yaw import ReducedYaw, reduced_yaw
 from flycontrol.reduce.yaw_inertia import yaw_inertia
 from flycontrol.units import deg
@@ -55,3 +60,26 @@ def test_without_mu_nothing_is_said_of_the_hinge():
         _ = reduced().hinge_torque
     with pytest.raises(InvalidParameterError, match="other than 0"):
         replace(reduced(), transmission=0.0)
+
+
+def test_wings_on_springs_damp_the_turning_less_and_their_torque_is_gamma_mu():
+    """The blade that meets more air gives way and meets it at a smaller attack angle."""
+    fly, spring = at_pitch_axis(FLY, 0.05), DampedSpring(stiffness=3e-9, damping=1.5e-12)
+    hinge = hinge_transmission(fly, trim().kinematics, spring)
+    given = reduced()
+    passive = given.through(hinge)
+    assert 0 < passive.damping < given.damping
+    assert passive.inertia == given.inertia
+    assert passive.hinge_torque == pytest.approx(hinge.torque_per_bias, rel=1e-12)
+
+
+def test_what_was_published_is_set_beside_in_words():
+    """Both body and wings of a stroke plane 55 deg below the body: less inertia than at 45 deg."""
+    rows = {one.name: one for one in beside_published(reduced(0.55))}
+    assert rows["beta"].agreement == rows["mu"].agreement == "inside the published range"
+    assert rows["half-life, ln 2 I / beta"].agreement == "inside the published range"
+    inertia = rows["I, body and wings"]
+    assert inertia.agreement == f"{1 - inertia.ours / 3.06e-13:.0%} below the published value"
+    far = next(one for one in beside_published(reduced(1.2)) if one.name == "mu")
+    assert far.agreement == "100% above the high end of the published range"
+    assert {source.source for row in rows.values() for source in row.sources} <= set(references())
