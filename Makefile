@@ -30,6 +30,7 @@ reports: report
 	$(BIN)/python analyses/nominal_gains.py
 	$(BIN)/python analyses/pade_or_exact.py
 	$(BIN)/python analyses/p_or_pd.py
+	$(BIN)/python analyses/is_yaw_control_fast_enough.py
 	$(BIN)/python analyses/does_hover_hold.py
 	$(BIN)/python analyses/flutter_or_tumble.py
 	$(BIN)/python analyses/turn_angle_from_paddling.py

@@ -1,0 +1,47 @@
+"""The note's numbers hang together, and its words say what they show."""
+
+import importlib.util
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flycontrol.io.parameters import read_parameters
+from flycontrol.report.nominal import yaw_loop
+
+ANALYSES = Path(__file__).resolve().parents[2] / "analyses"
+
+
+@pytest.fixture(scope="module")
+def note():
+    """The lab note as a module."""
+    name = "is_yaw_control_fast_enough"
+    spec = importlib.util.spec_from_file_location(name, ANALYSES / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module  # dataclasses look their module up
+    spec.loader.exec_module(module)
+    yield module
+    del sys.modules[name]
+
+
+def test_the_links_spend_the_whole_delay_and_their_phases_leave_the_phase_margin(note):
+    fly = read_parameters()
+    parts, loop = note.shares(fly), yaw_loop(fly)
+    assert sum(part.delay for part in parts) == pytest.approx(loop.delay, rel=1e-12)
+    assert np.pi - sum(part.phase for part in parts) == pytest.approx(loop.margins().phase_margin, rel=1e-9)
+
+
+@pytest.mark.slow
+def test_the_answer_is_what_the_numbers_say(note, tmp_path):
+    note.main(tmp_path)
+    found = json.loads((tmp_path / "is_yaw_control_fast_enough.json").read_text())
+    longest = {each["damping"]: each["longest"] for each in found["lateness"]}
+    own = read_parameters().delay.value
+    assert own < longest[44.0] < longest[69.0] < longest[176.0]
+    assert longest[69.0] - own == pytest.approx(1 / 220, rel=0.05)  # one wingbeat to spare
+    best = np.array([each["best"] for each in found["lateness"]])
+    assert np.all(np.diff(best, axis=1) > 0)  # later is slower
+    assert np.all(np.diff(best, axis=0) < 0)  # damping helps
+    assert [claim["agreement"] for claim in found["claims"][:2]] == ["agrees", "agrees"]
