@@ -12,7 +12,7 @@ from flycontrol.errors import InvalidParameterError
 from flycontrol.model.camera import Camera
 from flycontrol.vision.box import Box, box_of_views
 from flycontrol.vision.kernels.carve import coarse_to_fine, summed_areas
-from flycontrol.vision.kernels.footprint import paint
+from flycontrol.vision.kernels.footprint import NEAREST, UNDER, paint
 from flycontrol.vision.kernels.planes import meet_of_planes
 from flycontrol.vision.views import MASK, SLACK, BoolArray, Views, views_of
 
@@ -135,15 +135,15 @@ def consistency(indices: IndexArray, size: float, views: Views) -> tuple[ViewCon
     """How voxels (N, 3) cover each silhouette."""
     found: list[ViewConsistency] = []
     for camera, mask in zip(views.cameras, views.masks, strict=True):
-        under, nearest = footprint(indices, size, camera), np.zeros(camera.shape, dtype=np.bool_)
-        paint(lattice_matrix(camera, size), indices, 0.0, 0.0, nearest)
+        marks = _marks(indices, size, camera)
+        under = (marks & UNDER) > 0
         border = mask[0].any() or mask[-1].any() or mask[:, 0].any() or mask[:, -1].any()
         found.append(
             ViewConsistency(
                 camera=camera.name,
                 covered=int(np.count_nonzero(mask & under)),
                 uncovered=int(np.count_nonzero(mask & ~under)),
-                beyond=int(np.count_nonzero(nearest & ~mask)),
+                beyond=int(np.count_nonzero((marks >= NEAREST) & ~mask)),
                 touches_edge=bool(border),
             )
         )
@@ -152,11 +152,16 @@ def consistency(indices: IndexArray, size: float, views: Views) -> tuple[ViewCon
 
 def footprint(indices: IndexArray, size: float, camera: Camera) -> BoolArray:
     """(rows, columns) pixels of the camera without its lens that voxels (N, 3) of an edge of `size` [m] cover."""
-    image = np.zeros(camera.shape, dtype=np.bool_)
+    return (_marks(indices, size, camera) & UNDER) > 0
+
+
+def _marks(indices: IndexArray, size: float, camera: Camera) -> NDArray[np.uint8]:
+    image = np.zeros(camera.shape, dtype=np.uint8)
     if len(indices):
         P = lattice_matrix(camera, size)
-        w = float(P[2, :3] @ indices.mean(axis=0) + P[2, 3])
-        middle = (P[:2, :3] @ indices.mean(axis=0) + P[:2, 3]) / w
+        place = indices[:: 1 + len(indices) // 1000].mean(axis=0)  # the scale differs little over an animal
+        w = float(P[2, :3] @ place + P[2, 3])
+        middle = (P[:2, :3] @ place + P[:2, 3]) / w
         half_u, half_v = 0.5 * np.abs(P[:2, :3] - np.outer(middle, P[2, :3])).sum(axis=1) / w
         paint(P, indices, half_u, half_v, image)
     return image

@@ -32,7 +32,7 @@ def tolerances():
     return st.builds(Tolerance, slack=st.sampled_from([0.0, 1.0, 2.5, 6.0]), views=st.integers(0, 3))
 
 
-@settings(max_examples=10)
+@settings(max_examples=6)
 @given(seeds, tolerances(), st.integers(2, 4))
 def test_carving_coarse_to_fine_equals_looking_at_every_voxel(seed, tolerance, count):
     cameras = cameras_around(seed, count)
@@ -43,7 +43,7 @@ def test_carving_coarse_to_fine_equals_looking_at_every_voxel(seed, tolerance, c
     assert same(hull.indices, expected)
 
 
-@settings(max_examples=8)
+@settings(max_examples=4)
 @given(seeds, st.sampled_from([Tolerance(), Tolerance(slack=2.0, views=3), Tolerance(slack=2.0, views=1)]))
 def test_cameras_along_the_lattice_give_the_same_hull_on_their_fast_way(seed, tolerance):
     rng = np.random.default_rng(seed)
@@ -57,7 +57,7 @@ def test_cameras_along_the_lattice_give_the_same_hull_on_their_fast_way(seed, to
     assert same(hull.indices, expected)
 
 
-@settings(max_examples=10)
+@settings(max_examples=5)
 @given(seeds, st.integers(2, 4), st.sampled_from([0.0, 3.0]))
 def test_the_box_found_from_the_silhouettes_holds_the_whole_hull(seed, count, slack):
     cameras, (A, centre) = cameras_around(seed, count), ellipsoid(seed)
@@ -68,7 +68,7 @@ def test_the_box_found_from_the_silhouettes_holds_the_whole_hull(seed, count, sl
     assert same(hull.indices, everywhere.indices)
 
 
-@settings(max_examples=10)
+@settings(max_examples=5)
 @given(seeds)
 def test_the_hull_contains_the_object_to_within_a_pixel_at_its_outline(seed):
     """A point of the object may project onto the silhouette's rim, the nearest pixel of which is off it: slack 1."""
@@ -108,7 +108,7 @@ def test_a_box_seen_along_its_edges_comes_back_to_within_a_voxel():
     assert len(hull) == np.prod(np.ptp(hull.indices, axis=0) + 1)  # and it is solid
 
 
-@settings(max_examples=4)
+@settings(max_examples=2)
 @given(seeds)
 def test_a_convex_body_seen_by_many_cameras_comes_back_to_within_a_voxel_or_two(seed):
     """Between tangent cones of 40 directions the hull of an ellipsoid stands out by d^2 / 8 r, d about 0.6 rad."""

@@ -13,33 +13,36 @@ import numpy as np
 
 #: Edges of blocks to begin with and of those whose voxels are looked at one by one.
 LARGEST, SMALLEST = 32, 4
+#: More than all views together can count
+_GONE = 1 << 20
 #: By which rectangles are widened against rounding [px]
 _ROUNDING = 1e-6
 
 
-@numba.njit(cache=True, inline="always")
-def _grade(P, grades, corner, c, x, y, z):
-    """Grade of the pixel nearest to a voxel's centre in view c; outside the image 0."""
-    w = P[c, 2, 0] * x + P[c, 2, 1] * y + P[c, 2, 2] * z + P[c, 2, 3]
-    if not w > 0.0:
-        return 0
-    u = (P[c, 0, 0] * x + P[c, 0, 1] * y + P[c, 0, 2] * z + P[c, 0, 3]) / w - corner[c, 0]
-    v = (P[c, 1, 0] * x + P[c, 1, 1] * y + P[c, 1, 2] * z + P[c, 1, 3]) / w - corner[c, 1]
-    if not (-0.5 <= u < grades.shape[2] - 0.5 and -0.5 <= v < grades.shape[1] - 0.5):
-        return 0
-    return np.int64(grades[c, int(np.floor(v + 0.5)), int(np.floor(u + 0.5))])
-
-
-@numba.njit(cache=True, inline="always")
-def _stays(P, grades, corner, lenient, x, y, z):
-    slack = 0
-    for c in range(P.shape[0]):
-        grade = _grade(P, grades, corner, c, x, y, z)
-        if grade == 0:
-            return False
-        if grade == 1:
-            slack += 1
-    return slack <= lenient
+@numba.njit(cache=True)
+def _mark(p, grades, u0, v0, block, slack):
+    """One view's say on the voxels of a block: slack[k] counts its grades 1, and a grade 0 makes it _GONE."""
+    p00, p01, p02, p03 = p[0]
+    p10, p11, p12, p13 = p[1]
+    p20, p21, p22, p23 = p[2]
+    right, bottom = grades.shape[1], grades.shape[0]
+    k = 0
+    for x in range(block[0], block[3]):
+        for y in range(block[1], block[4]):
+            a = p00 * x + p01 * y + p03
+            b = p10 * x + p11 * y + p13
+            c = p20 * x + p21 * y + p23
+            for z in range(block[2], block[5]):
+                w = c + p22 * z
+                # half a pixel more, so that cutting off the fraction rounds; the crop starts at u0, v0
+                u = (a + p02 * z) / w - u0 + 0.5
+                v = (b + p12 * z) / w - v0 + 0.5
+                grade = np.uint8(0)
+                if w > 0.0 and 0.0 <= u < right and 0.0 <= v < bottom:
+                    grade = grades[np.uint64(v), np.uint64(u)]
+                if grade < 2:
+                    slack[k] = slack[k] + 1 if grade == 1 else _GONE
+                k += 1
 
 
 @numba.njit(cache=True, inline="always")
@@ -48,21 +51,22 @@ def _count(table, top, left, bottom, right):
 
 
 @numba.njit(cache=True)
-def _rectangle(P, x0, y0, z0, x1, y1, z1):
+def _rectangle(p, x0, y0, z0, x1, y1, z1):
     """Least and largest u and v of a block's corners; (1, 0, ...) where one is not in front of the camera."""
     u0 = v0 = np.inf
     u1 = v1 = -np.inf
-    for a in range(8):
-        x = x1 if a & 1 else x0
-        y = y1 if a & 2 else y0
-        z = z1 if a & 4 else z0
-        w = P[2, 0] * x + P[2, 1] * y + P[2, 2] * z + P[2, 3]
-        if not w > 0.0:
-            return 1.0, 0.0, 1.0, 0.0
-        u = (P[0, 0] * x + P[0, 1] * y + P[0, 2] * z + P[0, 3]) / w
-        v = (P[1, 0] * x + P[1, 1] * y + P[1, 2] * z + P[1, 3]) / w
-        u0, u1 = min(u0, u), max(u1, u)
-        v0, v1 = min(v0, v), max(v1, v)
+    for x in (x0, x1):
+        for y in (y0, y1):
+            a = p[0, 0] * x + p[0, 1] * y + p[0, 3]
+            b = p[1, 0] * x + p[1, 1] * y + p[1, 3]
+            c = p[2, 0] * x + p[2, 1] * y + p[2, 3]
+            for z in (z0, z1):
+                w = c + p[2, 2] * z
+                if not w > 0.0:
+                    return 1.0, 0.0, 1.0, 0.0
+                u, v = (a + p[0, 2] * z) / w, (b + p[1, 2] * z) / w
+                u0, u1 = min(u0, u), max(u1, u)
+                v0, v1 = min(v0, v), max(v1, v)
     return u0, u1, v0, v1
 
 
@@ -132,7 +136,8 @@ def coarse_to_fine(P, grades, tables, corner, lenient, low, high):
     low, high : (3,) lattice box, half open
     """
     found, n = np.empty((4096, 3), np.int32), 0
-    stack = np.empty((1024, 4), np.int64)
+    stack, block = np.empty((64, 4), np.int64), np.empty(6, np.int64)
+    slack = np.empty(LARGEST**3, np.int32)
     for bx in range(low[0], high[0], LARGEST):
         for by in range(low[1], high[1], LARGEST):
             for bz in range(low[2], high[2], LARGEST):
@@ -154,26 +159,18 @@ def coarse_to_fine(P, grades, tables, corner, lenient, low, high):
                                     depth += 1
                         continue
                     found = _room(found, n, (x1 - x0) * (y1 - y0) * (z1 - z0))
+                    slack[: (x1 - x0) * (y1 - y0) * (z1 - z0)] = 0
+                    if verdict == 0:
+                        block[:] = x0, y0, z0, x1, y1, z1
+                        for c in range(P.shape[0]):
+                            _mark(P[c], grades[c], corner[c, 0], corner[c, 1], block, slack)
+                    k = 0
                     for x in range(x0, x1):
                         for y in range(y0, y1):
                             for z in range(z0, z1):
-                                if verdict == 1 or _stays(P, grades, corner, lenient, x, y, z):
-                                    found[n, 0], found[n, 1], found[n, 2] = x, y, z
-                                    n += 1
-    return found[:n].copy()
-
-
-@numba.njit(cache=True)
-def every_voxel(P, grades, corner, lenient, low, high):
-    """The same without blocks: every voxel of the box is looked at."""
-    found, n = np.empty((4096, 3), np.int32), 0
-    for x in range(low[0], high[0]):
-        for y in range(low[1], high[1]):
-            found = _room(found, n, high[2] - low[2])
-            for z in range(low[2], high[2]):
-                if _stays(P, grades, corner, lenient, x, y, z):
-                    found[n, 0], found[n, 1], found[n, 2] = x, y, z
-                    n += 1
+                                found[n, 0], found[n, 1], found[n, 2] = x, y, z
+                                n += slack[k] <= lenient
+                                k += 1
     return found[:n].copy()
 
 

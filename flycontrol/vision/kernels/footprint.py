@@ -5,30 +5,38 @@ from __future__ import annotations
 import numba
 import numpy as np
 
+#: Marks of a pixel: under a projected voxel, nearest to the projected centre of one.
+UNDER, NEAREST = 1, 2
+#: Farther outside no image is; added before fractions are cut off, so that cutting off rounds down [px]
+_FAR = 1 << 20
+
 
 @numba.njit(cache=True)
 def paint(P, indices, half_u, half_v, image):
-    """Set the pixels whose centres lie within half_u, half_v [px] of a projected voxel, and the nearest one.
+    """Mark the pixels whose centres lie within half_u, half_v [px] of a projected voxel, and the nearest one.
 
     Parameters
     ----------
     P : (3, 4) from lattice indices to homogeneous pixels
     indices : (N, 3) int32
-    image : (H, W) bool, written
+    image : (H, W) uint8, written
     """
     rows, columns = image.shape
+    p00, p01, p02, p03 = P[0]
+    p10, p11, p12, p13 = P[1]
+    p20, p21, p22, p23 = P[2]
     for n in range(indices.shape[0]):
-        x, y, z = indices[n, 0], indices[n, 1], indices[n, 2]
-        w = P[2, 0] * x + P[2, 1] * y + P[2, 2] * z + P[2, 3]
-        if not w > 0.0:
+        x, y, z = np.float64(indices[n, 0]), np.float64(indices[n, 1]), np.float64(indices[n, 2])
+        w = p20 * x + p21 * y + p22 * z + p23
+        u = (p00 * x + p01 * y + p02 * z + p03) / w
+        v = (p10 * x + p11 * y + p12 * z + p13) / w
+        if not (w > 0.0 and -_FAR / 2 < u < _FAR / 2 and -_FAR / 2 < v < _FAR / 2):
             continue
-        u = (P[0, 0] * x + P[0, 1] * y + P[0, 2] * z + P[0, 3]) / w
-        v = (P[1, 0] * x + P[1, 1] * y + P[1, 2] * z + P[1, 3]) / w
-        if not (-1e6 < u < 1e6 and -1e6 < v < 1e6):
-            continue
-        near_u, near_v = int(np.floor(u + 0.5)), int(np.floor(v + 0.5))
-        j0, j1 = min(int(np.ceil(u - half_u)), near_u), max(int(np.floor(u + half_u)), near_u)
-        i0, i1 = min(int(np.ceil(v - half_v)), near_v), max(int(np.floor(v + half_v)), near_v)
+        near_u, near_v = int(u + (_FAR + 0.5)) - _FAR, int(v + (_FAR + 0.5)) - _FAR
+        j0, j1 = min(int(u - half_u + _FAR) - _FAR + 1, near_u), max(int(u + half_u + _FAR) - _FAR, near_u)
+        i0, i1 = min(int(v - half_v + _FAR) - _FAR + 1, near_v), max(int(v + half_v + _FAR) - _FAR, near_v)
         for i in range(max(i0, 0), min(i1 + 1, rows)):
             for j in range(max(j0, 0), min(j1 + 1, columns)):
-                image[i, j] = True
+                image[i, j] |= np.uint8(UNDER)
+        if 0 <= near_u < columns and 0 <= near_v < rows:
+            image[near_v, near_u] |= np.uint8(NEAREST)
