@@ -1,13 +1,19 @@
 """The command from files to results; what the options mean is tested apart."""
 
 import json
+import shlex
 import sys
+from dataclasses import replace
 
 import pytest
 
 from flycontrol import cli
+from flycontrol.cli.fit_command import typed_command
+from flycontrol.cli.fit_options import FitRequest, requested_model
+from flycontrol.identify.gains.problem import standard_model
 from flycontrol.identify.gains.synthetic import synthetic_experiment
 from flycontrol.io.example_files import example_files
+from flycontrol.io.trials import read_trials
 
 AT_REST = ("--fix", "initial_yaw=0", "--fix", "initial_rate=0")
 
@@ -79,3 +85,45 @@ def test_a_pattern_that_matches_nothing_is_refused(command, demo, tmp_path):
     assert status == 2
     assert "No file matches" in said
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("further", "sentence"),
+    [
+        ([], "the mapping gives fly1_pulse3 a perturbation; leave --spontaneous out"),
+        (["--fix", "impulse=30 rad/s"], "--fix names the impulse of a pulse; leave one of them out"),
+        (["--estimate", "onset_shift"], "--estimate names the onset_shift of a pulse; leave one of them out"),
+    ],
+)
+def test_a_spontaneous_flight_that_was_perturbed_is_refused(command, demo, further, sentence):
+    status, _, said = command(demo / "*3.csv", "--mapping", demo / "mapping.toml", "--spontaneous", *further)
+    assert status == 2
+    assert sentence in said
+
+
+def test_from_python_the_standard_fit_asks_what_the_command_asks(demo):
+    trials = read_trials([demo / "fly1_pulse3.csv"], demo / "mapping.toml")
+    model = standard_model(trials)
+    assert "paddling_gain" in model.unknown
+    assert model == requested_model(FitRequest(), paddling=True)
+    bare = [replace(trial, paddling=None) for trial in trials]
+    assert standard_model(bare) == requested_model(FitRequest(), paddling=False)
+
+
+def test_the_command_in_the_provenance_is_what_was_typed():
+    defaults = {"controller": "PD", "seed": 0, "spontaneous": False}
+    asked = {
+        "mapping": "demo/mapping.toml", "controller": "P", "fix": ["damping=69 1/s", "initial_yaw=0"], "bound": None,
+        "seed": 0, "compare": False, "spontaneous": True, "parameters": "drosophila_hydei",
+    }  # fmt: skip
+    typed = shlex.split(typed_command(["demo/a.csv", "my flies/b.csv"], asked, defaults))
+    assert typed == [
+        "flycontrol", "fit", "demo/a.csv", "my flies/b.csv", "--mapping", "demo/mapping.toml", "--controller", "P",
+        "--fix", "damping=69 1/s", "--fix", "initial_yaw=0", "--no-compare", "--spontaneous",
+        "--parameters", "drosophila_hydei",
+    ]  # fmt: skip
+
+
+def test_the_command_names_one_file_of_many_and_no_machine():
+    files = [f"/home/someone/flies/{k}.csv" for k in range(20)]
+    assert typed_command(files, {}, {}) == "flycontrol fit flies/0.csv ... flies/19.csv (20 files)"

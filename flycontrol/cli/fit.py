@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from flycontrol.cli.fit_command import typed_command
 from flycontrol.cli.fit_options import FitRequest, requested_model, requested_sharing
 from flycontrol.cli.fit_reporting import report_of
 from flycontrol.cli.terminal import WorkInterruptedError, progress_bar, refusal_with_a_mapping_to_edit, say
@@ -23,6 +24,10 @@ if TYPE_CHECKING:
 _COMPARED = 8  #: recordings, of which four controllers are fitted within a minute
 _FEW = 4  #: recordings that are done before other processes have started
 _OUT = Path("reports/fit")
+#: What options are unless they are typed; those not named here are None.
+_LEFT_OUT = {"controller": "PD", "shared": "auto", "noise": "auto", "loss": "linear", "level": 0.95, "seed": 0,
+             "bootstrap": 200, "spontaneous": False}  # fmt: skip
+_OF_A_PULSE = ("impulse", "onset_shift")
 
 
 def fit(
@@ -107,11 +112,19 @@ def fit(
         require_writable_folder(folder)
     if mapping is None:
         raise refusal_with_a_mapping_to_edit(Path(files[0]))
+    asked = {
+        "mapping": mapping, "controller": controller, "fix": fix, "estimate": estimate, "prior": prior, "bound": bound,
+        "shared": shared, "noise": noise, "loss": loss, "level": level, "seed": seed, "bootstrap": bootstrap,
+        "compare": compare, "spontaneous": spontaneous, "parameters": parameters,
+    }  # fmt: skip
+    command = typed_command(files, asked, _LEFT_OUT)
     options = replace(_options(noise, loss, level, seed), bootstrap=bootstrap)
     request = FitRequest(
         controller=controller, fix=fix or (), estimate=estimate or (), prior=prior or (), bound=bound or (),
         shared=shared,
     )  # fmt: skip
+    if spontaneous:
+        _refuse_options_of_a_pulse(request)
     requested_sharing(shared)
     requested_model(request, paddling=False)  # refuse before hundreds of files are read
     fly = read_parameters(parameters)
@@ -131,7 +144,7 @@ def fit(
         stages = Stages(workers=crew, folder=kept, progress=progress)
         with _kept_when_interrupted(kept):
             found = study_of(trials, model, options, stages, requested_sharing(request.shared))
-            report = report_of(found, _command(len(files), mapping, request, options))
+            report = report_of(found, command)
             if folder is not None:
                 report.write(fly, folder, progress)
                 stages.clear()
@@ -147,12 +160,35 @@ def _with_pulses(
     """Seek the pulse where the mapping names no perturbation; its onset is then estimated too."""
     from flycontrol.identify.gains.onset import with_located_pulses
 
+    if spontaneous:
+        _refuse_pulses(trials)
     if spontaneous or all(trial.perturbation is not None for trial in trials):
         return trials, request
     asked = request.estimate
     if "onset_shift" not in (*asked, *(text.partition("=")[0] for text in request.fix)):
         asked = (*asked, "onset_shift")
     return with_located_pulses(trials), replace(request, estimate=asked)
+
+
+def _refuse_pulses(trials: tuple[Trial, ...]) -> None:
+    moved = next((trial for trial in trials if trial.perturbation is not None), None)
+    if moved is not None:
+        raise InvalidInputError(
+            f"--spontaneous says that nothing perturbed the fly, but the mapping gives {moved.name} a perturbation; "
+            "leave --spontaneous out, or take [perturbation] out of the mapping."
+        )
+
+
+def _refuse_options_of_a_pulse(request: FitRequest) -> None:
+    """Nothing that describes a pulse means anything where there is none."""
+    for option in ("fix", "estimate", "prior", "bound"):
+        for text in getattr(request, option):
+            name = text.partition("=")[0].strip()
+            if name in _OF_A_PULSE:
+                raise InvalidInputError(
+                    f"--spontaneous says that nothing perturbed the fly, but --{option} names the {name} of a pulse; "
+                    "leave one of them out."
+                )
 
 
 @contextmanager
@@ -180,18 +216,3 @@ def _options(noise: str, loss: str, level: float, seed: int) -> FitOptions:
         if loss == known:
             return FitOptions(noise=kind, loss=known, level=level, seed=seed)
     raise InvalidInputError(f"--loss must be linear or huber, got '{loss}'.")
-
-
-def _command(count: int, mapping: str, request: FitRequest, options: FitOptions) -> str:
-    """Say what was asked for; where files lie and where the report goes does not change it."""
-    given = [f"--mapping {Path(mapping).name}", f"--controller {request.controller}", f"--shared {request.shared}"]
-    for option in ("fix", "estimate", "prior", "bound"):
-        given += [f"--{option} '{text}'" for text in getattr(request, option)]
-    given += [
-        f"--noise {options.noise}",
-        f"--loss {options.loss}",
-        f"--level {options.level:g}",
-        f"--seed {options.seed}",
-    ]
-    given += [f"--bootstrap {options.bootstrap}", "--compare" if options.compare else "--no-compare"]
-    return " ".join(["flycontrol fit", f"({count} files or patterns)", *given])

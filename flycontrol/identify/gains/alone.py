@@ -18,8 +18,9 @@ from flycontrol.errors import InvalidInputError, InvalidParameterError
 from flycontrol.identify.gains.fit import fit_gains
 from flycontrol.identify.gains.labour import HERE, Labour
 from flycontrol.identify.gains.least_squares import Loss
-from flycontrol.identify.gains.model import GainModel, gain_model
+from flycontrol.identify.gains.model import GainModel
 from flycontrol.identify.gains.noise import Noise
+from flycontrol.identify.gains.problem import standard_model
 from flycontrol.identify.gains.result import FitResult
 from flycontrol.jobs.packed import Result
 from flycontrol.jobs.work import Work
@@ -88,7 +89,7 @@ def fits_alone(
     """
     if not trials:
         raise InvalidInputError("Fits alone need at least one trial, got none.")
-    model = gain_model() if model is None else model
+    model = standard_model(trials) if model is None else model
     groups = grouped(trials, by)
     work = Work(
         task=partial(_fitted, model=model, noise=noise, loss=loss), items=list(groups.values()), seed=0, chunk=1,

@@ -1,8 +1,7 @@
 """Gains, damping and delay from recordings of perturbed flies, with intervals.
 
 >>> from flycontrol.identify.gains.fit import fit_gains
->>> from flycontrol.identify.gains.model import gain_model
->>> found = fit_gains([trial], gain_model("PD"))  # doctest: +SKIP
+>>> found = fit_gains([trial])  # doctest: +SKIP
 >>> found["delay"].value, found["delay"].low, found["delay"].high  # doctest: +SKIP
 """
 
@@ -24,9 +23,9 @@ from flycontrol.identify.gains.least_squares import (
     minimise,
     variance_of,
 )
-from flycontrol.identify.gains.model import GainModel, gain_model
+from flycontrol.identify.gains.model import GainModel
 from flycontrol.identify.gains.noise import Noise, estimate, order_by_bic, white
-from flycontrol.identify.gains.problem import Channel, fit_problem
+from flycontrol.identify.gains.problem import Channel, fit_problem, standard_model
 from flycontrol.identify.gains.profile import Profile
 from flycontrol.identify.gains.result import FitResult
 from flycontrol.identify.gains.saturation import without_unreached
@@ -57,7 +56,8 @@ def fit_gains(
     Parameters
     ----------
     model
-        What is known and what is not; None: PD on the yaw angle, gains, delay and damping unknown.
+        What is known and what is not; None: PD on the yaw angle, gains, delay and damping unknown, and the paddling
+        gain where paddling was measured.
     noise
         "white", an autoregressive order, or "auto": the order by BIC, at most 4; coefficients by restricted likelihood.
     loss
@@ -107,7 +107,7 @@ def fit_without_profiles(
 def _searched(
     trials: Sequence[Trial], model: GainModel | None, noise: str | int, loss: Loss, start: FloatArray | None
 ) -> tuple[WeightedProblem, Minimum]:
-    problem = fit_problem(trials, gain_model() if model is None else model)
+    problem = fit_problem(trials, standard_model(trials) if model is None else model)
     guessed = [[white(_roughness(channel), 1.0) for channel in part.channels] for part in problem.parts]
     weighted = WeightedProblem(problem, guessed, loss)
     minimum = minimise(weighted, start) if start is not None else _best_minimum(weighted)

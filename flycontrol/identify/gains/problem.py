@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from flycontrol.errors import InvalidInputError
 from flycontrol.identify.gains.kernels import normal as kernels
 from flycontrol.identify.gains.kernels.march import RULE
-from flycontrol.identify.gains.model import GainModel, Prior, Unknown
+from flycontrol.identify.gains.model import GainModel, Prior, Unknown, gain_model
 from flycontrol.identify.gains.noise import Noise, whitened
 from flycontrol.identify.gains.response import NAMES, Drive, Span, drive_of, evaluate, parameter_vector, span_of
 from flycontrol.model.trial import Pulse, TorqueTrace, Trial
@@ -125,6 +125,12 @@ class FitProblem:
     def samples(self) -> int:
         """Number of measured samples of all channels."""
         return sum(len(channel.values) for part in self.parts for channel in part.channels)
+
+
+def standard_model(trials: Sequence[Trial]) -> GainModel:
+    """PD on the yaw angle, gains, delay and damping unknown; the paddling gain too where paddling was measured."""
+    measured = any(trial.paddling is not None for trial in trials)
+    return gain_model("PD", estimate=["paddling_gain"] if measured else [])
 
 
 def fit_problem(trials: Sequence[Trial], model: GainModel) -> FitProblem:

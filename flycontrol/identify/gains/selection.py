@@ -21,8 +21,9 @@ from flycontrol.identify.gains.blocks import Held, blocks_left_out
 from flycontrol.identify.gains.fit import fit_without_profiles
 from flycontrol.identify.gains.labour import HERE, Labour
 from flycontrol.identify.gains.left_out import leave_one_out
-from flycontrol.identify.gains.model import GAINS, Controller, GainModel, gain_model
+from flycontrol.identify.gains.model import GAINS, Controller, GainModel
 from flycontrol.identify.gains.noise import Noise
+from flycontrol.identify.gains.problem import standard_model
 from flycontrol.identify.gains.result import FitResult
 from flycontrol.model.trial import Trial
 from flycontrol.units import deg
@@ -121,7 +122,7 @@ def compare_controllers(
         For an unknown controller, fewer than two, or one named twice.
     """
     _refuse(controllers)
-    base = gain_model() if model is None else model
+    base = standard_model(trials) if model is None else model
     models = [base.with_controller(controller) for controller in controllers]
     general = fit_without_profiles(trials, models[-1], noise=noise)
     order = max(n.order for channels in general.noise for n in channels)
