@@ -3,7 +3,8 @@
     half-life = ln 2 I / beta
 
 A kick is a torque about the stroke plane's normal, so short that the wings do not move. Within a wingbeat the rate
-falls fast at mid-stroke and hardly at reversal; the half-life by wingbeats takes it from one wingbeat to the next.
+falls fast at mid-stroke and hardly at reversal; half-lives take it from one wingbeat to the next. Wings on springs need
+a wingbeat or two until their pitch has followed: then the late half-life is that of the turning.
 """
 
 from __future__ import annotations
@@ -40,19 +41,33 @@ class YawDecay:
     freedom: Freedom  #: the body turns about its yaw axis alone, as on a magnetic tether, or flies freely
     frequency: float  #: wingbeats a second [1/s]
     phases: FloatArray  #: (n,) of the kicks [wingbeats]
-    first_rates: FloatArray  #: (n,) right after the kick [rad/s]
-    first_halves: FloatArray  #: (n,) until the rate is half of that for the first time [s]
-    decay: FloatArray  #: (n,) the rate one wingbeat later over the rate right after the kick [1]
+    rates: FloatArray  #: (n, 5) yaw rate right after the kick and 1 to 4 wingbeats later [rad/s]
+    first_halves: FloatArray  #: (n,) until the rate is half of that right after the kick for the first time [s]
+
+    @property
+    def decay(self) -> FloatArray:
+        """(n,) the rate a wingbeat later over the rate right after the kick [1]."""
+        return self.rates[:, 1] / self.rates[:, 0]
 
     @property
     def half_life(self) -> float:
         """ln 2 / (-f ln decay), mean over the phases: what wingbeat-averaged yaw takes to halve [s]."""
-        return float(np.log(2) / (-self.frequency * np.log(self.decay).mean()))
+        return self._half_life(self.decay)
+
+    @property
+    def late_half_life(self) -> float:
+        """The same from the third to the fourth wingbeat after the kick [s]; NaN if the rate has changed its sign."""
+        return self._half_life(self.rates[:, 4] / self.rates[:, 3])
 
     @property
     def in_wingbeats(self) -> float:
         """The half-life [wingbeats]."""
         return self.half_life * self.frequency
+
+    def _half_life(self, decay: FloatArray) -> float:
+        if np.any(decay <= 0):
+            return float("nan")
+        return float(np.log(2) / (-self.frequency * np.log(decay).mean()))
 
 
 def yaw_decay(
@@ -73,7 +88,8 @@ def yaw_decay(
     kinematics
         A stroke that both wings share, so that the fly does not turn by itself.
     start
-        State at phase 0, that of a hover trim; without it the body starts level and at rest.
+        State at phase 0, that of a hover trim or of wings on springs that have settled; without it the body starts
+        level and at rest.
     freedom
         What the body may do: "yaw" alone or "all".
     rate
@@ -94,16 +110,15 @@ def yaw_decay(
         freedom=freedom,
         frequency=kinematics.frequency,
         phases=np.array(phases, dtype=np.float64),
-        first_rates=np.array([one[0] for one in kicked]),
-        first_halves=np.array([one[1] for one in kicked]),
-        decay=np.array([one[2] for one in kicked]),
+        rates=np.stack([rates for rates, _ in kicked]),
+        first_halves=np.array([half for _, half in kicked]),
     )
 
 
 def _kicked(
     fly: FlappingFly, kinematics: StrokeKinematics, start: FlightState | None, rate: float, phase: float
-) -> tuple[float, float, float]:
-    """Yaw rate after the kick [rad/s], time to half of it [s], share that is left a wingbeat later."""
+) -> tuple[FloatArray, float]:
+    """(5,) yaw rate right after the kick and at wingbeats after it [rad/s]; the time to half of the first [s]."""
     if not 0 <= phase < 1:
         raise InvalidParameterError(f"A kick's phase must lie in 0..1 wingbeats, 1 not included, got {phase!r}.")
     f, n = kinematics.frequency, _SETTINGS.samples
@@ -119,4 +134,4 @@ def _kicked(
         )
     k = int(below[0])
     into = (yaw_rate[k - 1] - yaw_rate[0] / 2) / (yaw_rate[k - 1] - yaw_rate[k])
-    return float(yaw_rate[0]), float((k - 1 + into) / (n * f)), float(yaw_rate[n] / yaw_rate[0])
+    return yaw_rate[: _AFTER * n + 1 : n], float((k - 1 + into) / (n * f))

@@ -88,6 +88,10 @@ def test_the_note_states_the_numbers_that_it_finds(results):
         f"after {fry.decay.half_life / ms:.2f} ms",
         f"says {hover.model.half_life / ms:.2f} and {fry.model.half_life / ms:.2f} ms",
         f"it is {found.flying.half_life / ms:.2f} ms",
+        f"from {found.springs.given.damping:.3g} to {found.springs.passive.damping:.3g} N m s",
+        f"{1 - found.springs.passive.damping / 21e-12:.0%} below".replace("%", " %"),
+        f"{found.springs.decay.late_half_life / ms:.2f} ms once the pitch has followed",
+        f"own beta says {found.springs.passive.half_life / ms:.2f} ms",
         f"already, pitch is {min(last):.2f} to {max(last):.2f}",
     )
     assert [sentence for sentence in sentences if sentence not in text] == []

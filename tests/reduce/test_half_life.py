@@ -5,10 +5,14 @@ from functools import cache
 
 import numpy as np
 import pytest
-from reduced_fly import FLY, hover, trim
+from reduced_fly import FLY, MELANOGASTER, hover, trim
 
 from flycontrol.errors import InvalidParameterError
+from flycontrol.flight.hinge_fit import at_pitch_axis
+from flycontrol.flight.hinge_motion import passive_wingbeat, sprung
+from flycontrol.flight.hinge_transmission import hinge_transmission
 from flycontrol.flight.quasi_steady import VACUUM
+from flycontrol.model.hinge import DampedSpring
 from flycontrol.model.stroke_kinematics import StrokeKinematics
 from flycontrol.model.wing_stroke import paddling
 from flycontrol.reduce.half_life import YawDecay, yaw_decay
@@ -37,6 +41,29 @@ def test_after_a_whole_wingbeat_it_does_not_matter_when_the_kick_came():
     assert np.ptp(tethered().decay) < 1e-5 * tethered().decay.mean()
 
 
+def test_what_averaging_over_the_wingbeat_loses_goes_with_the_inverse_of_the_inertia():
+    """A body that turns less within a wingbeat: three times the inertia, a third of what separates both half-lives."""
+    m = MELANOGASTER
+    heavy = replace(FLY, morphology=replace(m, inertia=tuple(tuple(3 * x for x in row) for row in m.inertia)))
+    off = []
+    for fly, decay in ((FLY, tethered()), (heavy, yaw_decay(heavy, trim().kinematics, phases=(0.0, 0.5)))):
+        off.append(abs(decay.half_life / reduced_yaw(fly, trim().kinematics).half_life - 1))
+    assert off[1] < 0.45 * off[0]
+
+
+def test_wings_on_springs_make_yaw_last_as_long_as_their_own_damping_says():
+    """Once their pitch follows; a prescribed pitch would let it halve in half the time."""
+    spring = DampedSpring(stiffness=3e-9, damping=1.5e-12)
+    fly = at_pitch_axis(FLY, 0.05)
+    given = reduced_yaw(fly, trim().kinematics)
+    passive = given.through(hinge_transmission(fly, trim().kinematics, spring))
+    sprung_fly = sprung(fly, spring)
+    start = passive_wingbeat(sprung_fly, trim().kinematics).trajectory.state(0)
+    found = yaw_decay(sprung_fly, trim().kinematics, start)
+    assert found.late_half_life == pytest.approx(passive.half_life, rel=0.03)
+    assert found.late_half_life > 1.5 * given.half_life
+
+
 def test_small_and_large_kicks_decay_alike():
     larger = yaw_decay(FLY, trim().kinematics, rate=30.0, phases=(0.25,))
     assert larger.decay[0] == pytest.approx(tethered().decay[2], rel=1e-3)
@@ -54,8 +81,8 @@ def test_in_free_flight_yaw_halves_sooner_since_the_body_rolls_along():
 def test_a_short_kick_gives_the_rate_that_the_inertia_says():
     """Mean over the phases; the rigid body alone would turn at 1 rad/s."""
     inertia = yaw_inertia(hover())
-    assert tethered().first_rates.mean() == pytest.approx(inertia.body / inertia.total, rel=0.02)
-    assert flying().first_rates.mean() == pytest.approx(inertia.body / inertia.free, rel=0.02)
+    assert tethered().rates[:, 0].mean() == pytest.approx(inertia.body / inertia.total, rel=0.02)
+    assert flying().rates[:, 0].mean() == pytest.approx(inertia.body / inertia.free, rel=0.02)
 
 
 def test_without_air_nothing_decays_and_it_says_so():
