@@ -30,13 +30,13 @@ def edited(tmp_path):
 
 
 def test_the_shipped_mappings_are_read_by_name():
-    assert shipped_mappings() == ("fontaine_takeoff", "muijres_freeflight")
+    assert shipped_mappings() == ("fontaine_takeoff", "muijres_freeflight", "simulated_trials")
     for name in shipped_mappings():
         assert known_mapping(name).name == name
 
 
 def test_an_unknown_name_is_refused_with_the_shipped_ones(tmp_path):
-    with pytest.raises(InvalidInputError, match="there are fontaine_takeoff, muijres_freeflight"):
+    with pytest.raises(InvalidInputError, match="there are fontaine_takeoff, muijres_freeflight, simulated_trials"):
         known_mapping("muijres")
     assert "there is no such file" in refusal(tmp_path / "absent.toml")
 
