@@ -102,8 +102,10 @@ def yaw_decay(
     InvalidParameterError
         The wings differ, or the rate does not halve within four wingbeats.
     """
-    if kinematics.left != kinematics.right:
-        raise InvalidParameterError("A half-life of yaw needs a stroke that both wings share; symmetrise it first.")
+    if kinematics.left != kinematics.right or fly.left != fly.right:
+        raise InvalidParameterError(
+            "A half-life of yaw needs a stroke and hinges that both wings share; symmetrise them first."
+        )
     body = YAW_ONLY if freedom == "yaw" else FREE
     kicked = [_kicked(replace(fly, body=body), kinematics, start, rate, phase) for phase in phases]
     return YawDecay(

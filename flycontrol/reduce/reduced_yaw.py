@@ -31,6 +31,11 @@ class ReducedYaw:
     transmission: float | None = None  #: mu = d d_alpha / d eta0 of the hinge [1]
 
     def __post_init__(self) -> None:
+        if not self.damping > 0:
+            raise InvalidParameterError(
+                f"A reduced yaw model needs a damped fly, beta > 0 N m s, got {self.damping:.3g} N m s; give it air, "
+                "and wings that sweep."
+            )
         if self.transmission is not None and not (np.isfinite(self.transmission) and self.transmission != 0):
             raise InvalidParameterError(
                 f"ReducedYaw.transmission must be a finite number other than 0, or None, got {self.transmission!r}."

@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from flycontrol.errors import InvalidParameterError
 from flycontrol.flight.coefficients import COEFFICIENTS, CoefficientName
 from flycontrol.flight.flapping_fly import FlappingFly
 from flycontrol.flight.quasi_steady import Term
@@ -80,7 +81,18 @@ class TurnGain:
 
 
 def turn_gain(experiment: YawExperiment) -> TurnGain:
-    """Measure gamma/beta and decompose it; the right wing's stroke stands for both where omega is taken."""
+    """Measure gamma/beta and decompose it; the right wing's stroke stands for both where omega is taken.
+
+    Raises
+    ------
+    InvalidParameterError
+        The fly's air lacks the translational term, without which no factor has a beginning.
+    """
+    if "translational" not in experiment.fly.air.terms:
+        raise InvalidParameterError(
+            "gamma/beta is taken apart from steady translation on, and the fly's air lacks the translational term; got "
+            f"{', '.join(experiment.fly.air.terms) or 'no air'}."
+        )
     parts = _parts(experiment)
     ratios = [_ratio(experiment, parts[: count + 1]) for count in range(len(parts))]
     speeds, attack = _speeds(experiment), mean_attack(experiment.kinematics, experiment.instants)

@@ -85,7 +85,12 @@ class YawSlopes:
 
     @property
     def turn_gain(self) -> float:
-        """gamma / beta: the turn angle per integral of d_alpha, Eq. 5 [1/s]."""
+        """gamma / beta: the turn angle per integral of d_alpha, Eq. 5 [1/s]; refused where nothing damps."""
+        if not self.damping > 0:
+            raise InvalidParameterError(
+                f"gamma/beta needs a damped fly, beta > 0 N m s, got {self.damping:.3g} N m s; give it air that "
+                "has the translational term, and wings that sweep."
+            )
         return self.paddling / self.damping
 
 

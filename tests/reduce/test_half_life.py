@@ -92,5 +92,5 @@ def test_without_air_nothing_decays_and_it_says_so():
 
 def test_a_stroke_that_turns_by_itself_is_refused():
     stroke: StrokeKinematics = trim().kinematics.modulated(*paddling(0.1))
-    with pytest.raises(InvalidParameterError, match="symmetrise it first"):
+    with pytest.raises(InvalidParameterError, match="symmetrise them first"):
         yaw_decay(FLY, stroke)

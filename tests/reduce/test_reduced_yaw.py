@@ -8,12 +8,15 @@ from reduced_fly import FLY, MELANOGASTER, derivatives, hover, trim
 from flycontrol.errors import InvalidParameterError
 from flycontrol.flight.hinge_fit import at_pitch_axis
 from flycontrol.flight.hinge_transmission import hinge_transmission
+from flycontrol.flight.quasi_steady import VACUUM
 from flycontrol.model.hinge import DampedSpring
 from flycontrol.model.references import references
 from flycontrol.model.yaw import PDController, PIDController, YawLoop
 from flycontrol.reduce.beside_published import beside_published
 from flycontrol.reduce.reduced_yaw import ReducedYaw, reduced_yaw
+from flycontrol.reduce.turn_gain import turn_gain
 from flycontrol.reduce.yaw_inertia import yaw_inertia
+from flycontrol.reduce.yaw_torque import yaw_slopes
 from flycontrol.units import deg
 
 
@@ -71,6 +74,16 @@ def test_wings_on_springs_damp_the_turning_less_and_their_torque_is_gamma_mu():
     assert 0 < passive.damping < given.damping
     assert passive.inertia == given.inertia
     assert passive.hinge_torque == pytest.approx(hinge.torque_per_bias, rel=1e-12)
+
+
+def test_a_fly_without_air_has_no_reduced_model():
+    airless = replace(FLY, air=VACUUM)
+    with pytest.raises(InvalidParameterError, match="needs a damped fly"):
+        reduced_yaw(airless, trim().kinematics)
+    with pytest.raises(InvalidParameterError, match="needs a damped fly"):
+        _ = yaw_slopes(replace(hover(), fly=airless)).turn_gain
+    with pytest.raises(InvalidParameterError, match="got no air"):
+        turn_gain(replace(hover(), fly=airless))
 
 
 def test_what_was_published_is_set_beside_in_words():
