@@ -93,3 +93,41 @@ def test_the_same_experiment_gives_the_same_bytes(simulate):
 
 def test_the_printed_experiment_is_the_default_one(command):
     assert command("experiment") == (0, experiment_text(), "")
+
+
+def test_a_flight_that_diverges_ends_with_status_3_and_keeps_what_was_flown(simulate):
+    mad = '[march]\nwingbeats = 6\n[[pulse]]\naxis = "pitch"\ntorque = "1e-4 N m"\nonset = "3 wingbeats"\n'
+    status, log, out = simulate(mad + 'duration = "1 wingbeat"')
+    found = json.loads((out / "result.json").read_text())
+    assert status == 3
+    assert "stopped in wingbeat 3" in log
+    assert found["status"] in log
+    assert found["wingbeats"] == 3
+    assert "stopped in wingbeat 3" in (out / "index.html").read_text(encoding="utf-8")
+    assert len(read_recording(out / "trajectory.nc", out / "mapping.toml").time) > 3 * 50
+
+
+def test_what_cannot_be_flown_is_refused_in_a_sentence_and_nothing_is_written(simulate, command, tmp_path):
+    (tmp_path / "file").write_text("x")
+    for text, words in (
+        ('[march]\ntolerance = "1e-9 rad"\nwingbeats = 2', "steps would do"),
+        ("[march]\nsamples = 30", "must divide the 200 steps"),
+        ("[march\n", "is not valid TOML"),
+        (SHORT + PULSE.replace("2 wingbeats", "9 wingbeats"), "lies outside the flight"),
+    ):
+        status, log, out = simulate(text)
+        assert (status, log.count("\n"), out.exists()) == (2, 1, False), log
+        assert words in log
+    status, _, log = command("simulate", "--out", tmp_path / "file")
+    assert (status, log.count("\n")) == (2, 1)
+    assert "is not a folder" in log
+
+
+def test_an_ensemble_is_the_same_for_any_number_of_workers_and_leaves_nothing_unfinished(simulate):
+    drawn = SHORT + PULSE + '[ensemble]\nflights = 3\nseed = 2\n[ensemble.spread]\ntorque = "10 %"\n'
+    _, _, one = simulate(drawn, "--workers", "1", name="one")
+    _, _, two = simulate(drawn, "--workers", "2", name="two")
+    assert (one / "ensemble.csv").read_bytes() == (two / "ensemble.csv").read_bytes()
+    rows = (one / "ensemble.csv").read_text().splitlines()
+    assert len(set(rows)) == 1 + 3
+    assert not (one / "unfinished").exists()

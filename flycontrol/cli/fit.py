@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Generator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -14,7 +13,7 @@ import typer
 from flycontrol.cli.fit_command import typed_command
 from flycontrol.cli.fit_options import FitRequest, requested_model, requested_sharing
 from flycontrol.cli.fit_reporting import report_of
-from flycontrol.cli.terminal import WorkInterruptedError, progress_bar, refusal_with_a_mapping_to_edit, say
+from flycontrol.cli.terminal import kept_when_interrupted, progress_bar, refusal_with_a_mapping_to_edit, say
 from flycontrol.errors import InvalidInputError
 
 if TYPE_CHECKING:
@@ -142,7 +141,7 @@ def fit(
         crew = 1 if pool.count == 1 or len(trials) < _FEW else stack.enter_context(pool)
         kept = None if folder is None else folder / "unfinished"
         stages = Stages(workers=crew, folder=kept, progress=progress)
-        with _kept_when_interrupted(kept):
+        with kept_when_interrupted(kept):
             found = study_of(trials, model, options, stages, requested_sharing(request.shared))
             report = report_of(found, command)
             if folder is not None:
@@ -189,19 +188,6 @@ def _refuse_options_of_a_pulse(request: FitRequest) -> None:
                     f"--spontaneous says that nothing perturbed the fly, but --{option} names the {name} of a pulse; "
                     "leave one of them out."
                 )
-
-
-@contextmanager
-def _kept_when_interrupted(folder: Path | None) -> Generator[None]:
-    """Say what an interruption leaves."""
-    try:
-        yield
-    except KeyboardInterrupt:
-        if folder is None or not folder.exists():
-            raise
-        raise WorkInterruptedError(
-            f"finished parts are kept in {folder}; the same command goes on from there."
-        ) from None
 
 
 def _options(noise: str, loss: str, level: float, seed: int) -> FitOptions:

@@ -53,3 +53,16 @@ def progress_bar() -> Generator[Progress]:
             bars.update(task, completed=done, total=total, description=what)
 
         yield progress
+
+
+@contextmanager
+def kept_when_interrupted(folder: Path | None) -> Generator[None]:
+    """Say what an interruption leaves."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        if folder is None or not folder.exists():
+            raise
+        raise WorkInterruptedError(
+            f"finished parts are kept in {folder}; the same command goes on from there."
+        ) from None

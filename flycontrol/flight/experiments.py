@@ -9,7 +9,7 @@ from typing import cast
 from flycontrol.flight.coefficients import CoefficientName
 from flycontrol.flight.ensemble import FlightPlan
 from flycontrol.flight.flapping_fly import FlappingFly
-from flycontrol.flight.multibody.freedoms import FREE, BodyFreedoms, DampedSpring, Hinge, Prescribed, TorqueDriven
+from flycontrol.flight.multibody.freedoms import FREE, BodyFreedoms, Hinge, Prescribed, TorqueDriven
 from flycontrol.flight.multibody.freedoms import Joint as HingeJoint
 from flycontrol.flight.pulses import BodyPulse
 from flycontrol.flight.quasi_steady import QuasiSteadyModel, Term
@@ -21,7 +21,7 @@ from flycontrol.model.flight_experiment import (
     Air,
     FlightExperiment,
     Joint,
-    SpringJoint,
+    TorqueJoint,
     WingJoints,
     refuse_pulses_outside,
 )
@@ -93,7 +93,7 @@ def _trimmed(fly: FlappingFly, experiment: FlightExperiment, settings: MarchSett
         return None
     trim = hover_trim if fly.body == FREE else tethered_trim
     first, second, third = experiment.trim
-    return trim(fly, experiment.stroke, (first, second, third), settings=settings)
+    return trim(fly, experiment.stroke, (first, second, third), body_pitch=experiment.body_pitch, settings=settings)
 
 
 def flapping_fly(experiment: FlightExperiment) -> FlappingFly:
@@ -129,6 +129,4 @@ def _hinge(joints: WingJoints) -> Hinge:
 def _joint(joint: Joint) -> HingeJoint:
     if joint is None:
         return Prescribed()
-    if isinstance(joint, SpringJoint):
-        return DampedSpring(stiffness=joint.stiffness, damping=joint.damping, rest_angle=joint.rest_angle)
-    return TorqueDriven(torque=joint)
+    return TorqueDriven(torque=joint) if isinstance(joint, TorqueJoint) else joint

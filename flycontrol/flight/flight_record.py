@@ -16,12 +16,13 @@ from flycontrol.flight.quadrature_error import QuadratureError, estimate_quadrat
 from flycontrol.flight.wing_loads import loads_along
 from flycontrol.flight.wingbeat_means import WingbeatMeans, wingbeat_means
 from flycontrol.model.stroke import WingMotion
-from flycontrol.model.trajectory import StepError, Trajectory, wing_rates
+from flycontrol.model.trajectory import StepError, Trajectory, rotation_matrices, wing_rates
 
 FloatArray = NDArray[np.float64]
 
 _MOST_INSTANTS = 4000  #: of the body's motion
 _MOST_BEATS = 2000  #: whose means are kept
+_UPRIGHT = 0.5  #: cosine of the stroke plane's tilt, up to which a heading means something
 _FILMED, _FRAMES = 14, 10  #: wingbeats at most, and frames of each at most
 _BEFORE, _CLOSE = 1, 4  #: wingbeats before the first pulse, and in all, that are kept as they were sampled
 
@@ -49,7 +50,7 @@ class FlightRecord:
     mean: WingbeatMeans | None  #: over all wingbeats, a single row
     closely: Closely | None  #: around the first pulse, or the first wingbeats
     film: Trajectory  #: instants for an animation, around the first pulse
-    peak_yaw: float  #: farthest from the heading at the beginning, its sign with it [rad]
+    peak_yaw: float  #: farthest from the heading at the beginning while tilted by less than 60 deg, with its sign [rad]
     peak_yaw_time: float  #: [s]
 
     @property
@@ -75,7 +76,7 @@ class FlightRecorder:
         self._film = _Sieve(filmed * self._per_beat, (filmed + _FILMED) * self._per_beat, apart)
         self._beats = _Beats(math.ceil(planned.experiment.wingbeats / _MOST_BEATS))
         self._last: Trajectory | None = None
-        self._yaw = 0.0
+        self._yaw, self._flat = 0.0, True
         self._peak = (0.0, 0.0)
         self._quadrature: QuadratureError | None = None
         self._step_error: StepError | None = None
@@ -118,13 +119,18 @@ class FlightRecorder:
         )  # fmt: skip
 
     def _follow_yaw(self, piece: Trajectory) -> None:
+        """Note the farthest heading, as long as the stroke plane lies flat enough to have one."""
         if not len(piece.time):
             return
         yaw = np.unwrap([self._yaw, *piece.yaw])[1:]
-        farthest = int(np.argmax(np.abs(yaw)))
-        if abs(yaw[farthest]) > abs(self._peak[0]):
-            self._peak = (float(yaw[farthest]), float(piece.time[farthest]))
         self._yaw = float(yaw[-1])
+        upright = -rotation_matrices(piece.q_WS)[:, 2, 2] > _UPRIGHT
+        flat = len(upright) if upright.all() else int(np.argmin(upright))
+        if self._flat and flat:
+            farthest = int(np.argmax(np.abs(yaw[:flat])))
+            if abs(yaw[farthest]) > abs(self._peak[0]):
+                self._peak = (float(yaw[farthest]), float(piece.time[farthest]))
+        self._flat &= bool(upright.all())
 
 
 def hinge_power(planned: PlannedFlight, flight: Trajectory) -> FloatArray:

@@ -9,13 +9,6 @@ from pydantic import Field
 from flycontrol.io.toml_files import Table
 
 Count = Annotated[int, Field(ge=1)]
-Number = Annotated[float, Field(allow_inf_nan=False)] | int
-
-
-class FlyTable(Table):
-    """Which fly."""
-
-    morphology: str = Field(min_length=1)
 
 
 TrimName = Literal[
@@ -30,22 +23,11 @@ TrimName = Literal[
 ]
 
 
-class StrokeTable(Table):
-    """Berman and Wang's family of strokes; values are quantities such as "70 deg"."""
+class TrimTable(Table):
+    """What a hover trim moves."""
 
-    trim: list[TrimName]
-    frequency: Any
-    stroke_amplitude: Any
-    stroke_shape: Number
-    stroke_offset: Any
-    pitch_amplitude: Any
-    pitch_shape: Number
-    pitch_lead: Any
-    pitch_offset: Any
-    deviation_amplitude: Any
-    deviation_order: Count
-    deviation_phase: Any
-    deviation_offset: Any
+    moves: list[TrimName]
+    body_pitch: Any = "0 deg"
 
 
 class BodyTable(Table):
@@ -62,19 +44,6 @@ class PulseTable(Table):
     torque: Any
     onset: Any
     duration: Any
-
-
-class ModulationTable(Table):
-    """A change of the stroke."""
-
-    onset: Any
-    over: Any = "1 wingbeat"
-    wing: Literal["both", "left", "right"] = "both"
-    paddling: Any = None
-    stroke_gain: Any = None
-    stroke_offset: Any = None
-    deviation_offset: Any = None
-    pitch_offset: Any = None
 
 
 class JointTable(Table):
@@ -127,7 +96,7 @@ class SpreadTable(Table):
 
     mass: Any = None
     wing_length: Any = None
-    stroke_amplitude: Any = None
+    stroke_gain: Any = None
     stroke_offset: Any = None
     deviation_offset: Any = None
     pitch_offset: Any = None
@@ -147,11 +116,11 @@ class ExperimentFile(Table):
     """A complete experiment."""
 
     name: str = Field(min_length=1, max_length=100)
-    fly: FlyTable
-    stroke: StrokeTable
+    morphology: dict[str, Any]
+    stroke: dict[str, Any]
+    trim: TrimTable
     body: BodyTable
     pulse: list[PulseTable] = Field(default=[])
-    modulation: list[ModulationTable] = Field(default=[])
     hinges: HingesTable = HingesTable()
     air: AirTable
     march: MarchTable

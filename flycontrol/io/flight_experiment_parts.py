@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,15 +12,12 @@ from flycontrol.io.flight_experiment_file import (
     BodyTable,
     HingesTable,
     JointTable,
-    ModulationTable,
     PulseTable,
-    StrokeTable,
     WingHingeTable,
 )
 from flycontrol.io.quantities import (
     ANGLE,
     DENSITY,
-    NUMBER,
     STIFFNESS,
     TIME,
     TORQUE,
@@ -33,22 +29,19 @@ from flycontrol.io.quantities import (
 from flycontrol.io.toml_files import TomlFile
 from flycontrol.model.flight_experiment import (
     FREEDOMS,
+    Air,
     FlightTime,
     Freedom,
     Joint,
-    SpringJoint,
-    Steering,
     TorqueJoint,
     TorquePulse,
     WingJoints,
 )
+from flycontrol.model.hinge import DampedSpring
 from flycontrol.model.morphology import pitch_rotation
 from flycontrol.model.stroke import Side
-from flycontrol.model.wing_stroke import BermanWangStroke, Modulation
 
-_PURE = ("stroke_shape", "pitch_shape", "deviation_order")  #: of a stroke, without unit
 _AXES = {"roll": 0, "pitch": 1, "yaw": 2}
-_OFFSETS = ("stroke_offset", "deviation_offset", "pitch_offset")
 _OF_A_SPRING, _OF_A_TORQUE = ("stiffness", "damping", "rest_angle"), ("amplitude", "mean", "lead")
 _JOINT_KINDS = {
     "stiffness": STIFFNESS,
@@ -94,35 +87,10 @@ class FlightReader:
             raise self.refusal(key, f"is '{written}'; a time longer than 0 s is needed", element)
         return time
 
-    def density(self, table: AirTable) -> float:
-        """Read the air's density [kg/m^3]."""
-        return self.quantity(table.density, DENSITY, "air.density")
-
-    def stroke(self, table: StrokeTable) -> BermanWangStroke:
-        """Read the stroke of both wings."""
-        given = {name: getattr(table, name) for name in StrokeTable.model_fields if name not in ("frequency", "trim")}
-        values: dict[str, Any] = {
-            name: value if name in _PURE else self.quantity(value, ANGLE, f"stroke.{name}")
-            for name, value in given.items()
-        }
-        return BermanWangStroke(**values)
-
-    def steering(self, table: ModulationTable, element: int) -> Steering:
-        """Read a change of the stroke."""
-        offsets = {
-            name: self.quantity(getattr(table, name) or "0 deg", ANGLE, f"modulation.{name}", element)
-            for name in (*_OFFSETS, "paddling")
-        }
-        gain = self.quantity(table.stroke_gain or "0 %", NUMBER, "modulation.stroke_gain", element)
-        paddling = offsets.pop("paddling")
-        change = Modulation(stroke_gain=gain, **offsets)
-        left, right = (replace(change, pitch_offset=change.pitch_offset + d) for d in (-paddling, paddling))
-        return Steering(
-            onset=self.moment(table.onset, "modulation.onset", element),
-            over=self.span(table.over, "modulation.over", element),
-            left=Modulation() if table.wing == "right" else left,
-            right=Modulation() if table.wing == "left" else right,
-        )
+    def air(self, table: AirTable) -> Air:
+        """Read what the air does."""
+        density = self.quantity(table.density, DENSITY, "air.density")
+        return Air(terms=tuple(table.terms), coefficients=table.coefficients, density=density, nodes=table.nodes)
 
     def freedoms(self, table: BodyTable) -> tuple[Freedom, ...]:
         """Read what of the body is free, in the order of FREEDOMS."""
@@ -165,7 +133,7 @@ class FlightReader:
             for name in own
             if getattr(table, name) is not None
         }
-        return SpringJoint(**values) if table.kind == "spring" else TorqueJoint(**values)
+        return DampedSpring(**values) if table.kind == "spring" else TorqueJoint(**values)
 
     def _where(self, key: str, element: int | None) -> str:
         keys = key.split(".")

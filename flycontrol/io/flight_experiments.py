@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -13,18 +14,17 @@ from flycontrol.io.flight_experiment_file import (
     SpreadTable,
 )
 from flycontrol.io.flight_experiment_parts import FlightReader
-from flycontrol.io.morphology import read_morphology_table
-from flycontrol.io.quantities import ANGLE, FREQUENCY, NUMBER, TIME
+from flycontrol.io.morphology_files import morphology_in
+from flycontrol.io.quantities import ANGLE, NUMBER, TIME
+from flycontrol.io.stroke_files import modulations_in, stroke_in
 from flycontrol.io.text_files import text_file
 from flycontrol.io.toml_files import TomlFile, parse_toml, read_toml_file, structured
-from flycontrol.model.flight_experiment import Air, Ensemble, FlightExperiment, Spread
-from flycontrol.model.morphology import Morphology, drosophila_hydei, morphology_from_table
+from flycontrol.model.flight_experiment import Ensemble, FlightExperiment, Spread
 from flycontrol.model.stroke_kinematics import StrokeKinematics
+from flycontrol.model.wing_stroke import BermanWangStroke
 
 _DEFAULT = files("flycontrol.io").joinpath("experiments", "yaw_pulse.toml")
-_LAID_OVER = ("fly", "stroke", "body", "air", "march")  #: what they leave out is as in the default
-_PUBLISHED = ("drosophila_melanogaster", "drosophila_hydei")
-_SLOWEST, _FASTEST = 20.0, 2000.0  #: plausible wingbeats a second [1/s]
+_LAID_OVER = ("trim", "body", "air", "march")  #: what they leave out is as in the default
 
 
 def experiment_text() -> str:
@@ -51,9 +51,10 @@ def read_flight_experiment(path: Path | str | None = None) -> FlightExperiment:
         For anything that cannot be meant: an unknown key, a number without a unit, a pulse outside the flight.
     """
     toml = _default() if path is None else read_toml_file(Path(path))
-    file = structured(ExperimentFile, _laid_over_the_default(toml), toml)
+    whole = _laid_over_the_default(toml)
+    file = structured(ExperimentFile, whole.data, whole)
     try:
-        return _experiment(file, toml)
+        return _experiment(file, whole)
     except InvalidInputError:
         raise
     except FlycontrolError as error:
@@ -61,27 +62,26 @@ def read_flight_experiment(path: Path | str | None = None) -> FlightExperiment:
 
 
 def _experiment(file: ExperimentFile, toml: TomlFile) -> FlightExperiment:
-    frequency = _frequency(file, toml)
-    _refuse_half_a_trim(file, toml)
-    morphology = _morphology(file, toml, frequency)
-    read = FlightReader(toml=toml, stroke_plane_angle=morphology.stroke_plane_angle)
+    fly = morphology_in(toml, "morphology")
+    read = FlightReader(toml=toml, stroke_plane_angle=fly.morphology.stroke_plane_angle)
+    unsteered = {key: value for key, value in file.stroke.items() if key != "modulation"}
+    stroke = stroke_in(replace(toml, data=toml.data | {"stroke": unsteered}), "stroke")
+    trim = _trim(file, toml)
+    _refuse_untrimmable(trim, stroke, toml)
     return FlightExperiment(
         name=file.name,
-        morphology=morphology,
-        stroke=StrokeKinematics.symmetric(read.stroke(file.stroke), frequency),
-        trim=tuple(file.stroke.trim),
+        morphology=fly.morphology,
+        sources=fly.provenance,
+        stroke=stroke,
+        steering=modulations_in(toml, "stroke"),
+        trim=trim,
+        body_pitch=read.quantity(file.trim.body_pitch, ANGLE, "trim.body_pitch"),
         wingbeats=file.march.wingbeats,
         free=read.freedoms(file.body),
         left=read.joints(file.hinges, file.hinges.left, "left"),
         right=read.joints(file.hinges, file.hinges.right, "right"),
         pulses=tuple(read.pulse(table, k) for k, table in enumerate(file.pulse)),
-        steering=tuple(read.steering(table, k) for k, table in enumerate(file.modulation)),
-        air=Air(
-            terms=tuple(file.air.terms),
-            coefficients=file.air.coefficients,
-            density=read.density(file.air),
-            nodes=file.air.nodes,
-        ),
+        air=read.air(file.air),
         steps=file.march.steps,
         samples=file.march.samples,
         tolerance=read.quantity(file.march.tolerance, ANGLE, "march.tolerance"),
@@ -91,34 +91,22 @@ def _experiment(file: ExperimentFile, toml: TomlFile) -> FlightExperiment:
     )
 
 
-def _refuse_half_a_trim(file: ExperimentFile, toml: TomlFile) -> None:
-    names = file.stroke.trim
+def _trim(file: ExperimentFile, toml: TomlFile) -> tuple[str, ...]:
+    names = file.trim.moves
     if names and not len(names) == len(set(names)) == 3:
         raise InvalidInputError(
-            f"{toml.where('stroke', 'trim')}: stroke.trim is {names!r}; three different names are needed, or [] for a "
+            f"{toml.where('trim', 'moves')}: trim.moves is {names!r}; three different names are needed, or [] for a "
             "stroke that is flown as it is."
         )
+    return tuple(names)
 
 
-def _frequency(file: ExperimentFile, toml: TomlFile) -> float:
-    read = FlightReader(toml=toml, stroke_plane_angle=0.0)
-    frequency = read.quantity(file.stroke.frequency, FREQUENCY, "stroke.frequency")
-    if not _SLOWEST <= frequency <= _FASTEST:
-        raise read.refusal(
-            "stroke.frequency", f"is {frequency:g} Hz; no fly beats its wings so ({_SLOWEST:g} to {_FASTEST:g} Hz)"
-        )
-    return frequency
-
-
-def _morphology(file: ExperimentFile, toml: TomlFile, frequency: float) -> Morphology:
-    name = file.fly.morphology
-    if name not in _PUBLISHED:
+def _refuse_untrimmable(names: tuple[str, ...], stroke: StrokeKinematics, toml: TomlFile) -> None:
+    if names and not (isinstance(stroke.left, BermanWangStroke) and stroke.left == stroke.right):
         raise InvalidInputError(
-            f"{toml.where('fly', 'morphology')}: fly.morphology is '{name}'; published are {', '.join(_PUBLISHED)}."
+            f"{toml.where('stroke')}: only a Berman and Wang stroke of both wings is trimmed; fly this one as it is, "
+            "by moves = [] in [trim]."
         )
-    if name == "drosophila_hydei":
-        return drosophila_hydei(frequency)
-    return morphology_from_table(read_morphology_table(), "Drosophila melanogaster", frequency)
 
 
 def _ensemble(table: EnsembleTable, read: FlightReader) -> Ensemble:
@@ -131,15 +119,19 @@ def _ensemble(table: EnsembleTable, read: FlightReader) -> Ensemble:
     return Ensemble(flights=table.flights, seed=table.seed, spread=Spread(**spread))
 
 
-def _laid_over_the_default(toml: TomlFile) -> dict[str, Any]:
+def _laid_over_the_default(toml: TomlFile) -> TomlFile:
+    """Complete a file's tables; a fly and the stroke of a wing are taken whole, since half of one fits no other."""
     default = _default().data
-    merged = {"name": Path(toml.file.name).stem} | toml.data
-    for section in _LAID_OVER:
+    merged: dict[str, Any] = {"name": Path(toml.file.name).stem} | toml.data
+    for section in ("morphology", "stroke", *_LAID_OVER):
         given = toml.data.get(section, {})
         if not isinstance(given, dict):
             raise InvalidInputError(f"{toml.where(section)}: {section} is {given!r}; a table [{section}] is needed.")
-        merged[section] = default[section] | given
-    return merged
+        merged[section] = default[section] | given if section in _LAID_OVER else given or default[section]
+    stroke: dict[str, Any] = {"frequency": default["stroke"]["frequency"]} | merged["stroke"]
+    if not {"both", "left", "right"} & set(stroke):
+        stroke["both"] = default["stroke"]["both"]
+    return replace(toml, data=merged | {"stroke": stroke})
 
 
 def _default() -> TomlFile:

@@ -33,12 +33,12 @@ from flycontrol.io.stroke_tables import (
 )
 from flycontrol.io.table_at import folder_of, table_at
 from flycontrol.io.toml_files import Table, TomlFile, read_toml_file, structured
+from flycontrol.model.steering import Steering
 from flycontrol.model.stroke import Side
 from flycontrol.model.stroke_kinematics import StrokeKinematics
 from flycontrol.model.wing_stroke import (
     BermanWangStroke,
     FourierStroke,
-    ModulatedStroke,
     Modulation,
     WingStroke,
     paddling,
@@ -92,7 +92,9 @@ def stroke_in(
         left = right = source.stroke(table.both, "both")
     else:
         left, right = source.stroke(table.left or {}, "left"), source.stroke(table.right or {}, "right")
-    kinematics = _steered(StrokeKinematics(frequency=frequency, left=left, right=right), table.modulation, read)
+    kinematics = StrokeKinematics(frequency=frequency, left=left, right=right)
+    for steering in _steering(table.modulation, read):
+        kinematics = steering.applied(kinematics)
     if periodic:
         refuse_aperiodic(kinematics, read.where("both" if table.both is not None else "left"))
     return kinematics
@@ -200,14 +202,24 @@ def _angle(table: AngleConventionTable, read: QuantityReader, key: str) -> Angle
     )
 
 
-def _steered(kinematics: StrokeKinematics, tables: list[ModulationTable], read: QuantityReader) -> StrokeKinematics:
-    """Lay one modulation over the other, in the order of the file."""
-    left, right = kinematics.left, kinematics.right
+def modulations_in(toml: TomlFile, within: str = "") -> tuple[Steering, ...]:
+    """Read the modulations of a table of stroke kinematics alone, for a stroke that is trimmed before it is steered."""
+    table = structured(StrokeTable, table_at(toml, within), toml, within)
+    return _steering(table.modulation, QuantityReader(toml, within))
+
+
+def _steering(tables: list[ModulationTable], read: QuantityReader) -> tuple[Steering, ...]:
+    """One modulation after the other, in the order of the file."""
+    found: list[Steering] = []
     for number, table in enumerate(tables):
         one = QuantityReader(read.toml, read.full(f"modulation.{number}"))
-        change_left, change_right = _modulations(table, one)
-        left, right = _laid_over(left, change_left, table, one), _laid_over(right, change_right, table, one)
-    return StrokeKinematics(frequency=kinematics.frequency, left=left, right=right)
+        left, right = _modulations(table, one)
+        try:
+            ramp = None if table.ramp is None else (table.ramp[0], table.ramp[1])
+            found.append(Steering(left=left, right=right, ramp=ramp))
+        except FlycontrolError as error:
+            raise InvalidInputError(f"{one.where('ramp')}: {error}") from error
+    return tuple(found)
 
 
 def _modulations(table: ModulationTable, read: QuantityReader) -> tuple[Modulation, Modulation]:
@@ -225,17 +237,6 @@ def _modulations(table: ModulationTable, read: QuantityReader) -> tuple[Modulati
         raise read.refusal("wing", 'is missing; "left", "right" or "both" is needed')
     still = Modulation()
     return still if table.wing == "right" else change, still if table.wing == "left" else change
-
-
-def _laid_over(stroke: WingStroke, change: Modulation, table: ModulationTable, read: QuantityReader) -> WingStroke:
-    if change == Modulation():
-        return stroke
-    if table.ramp is None:
-        return ModulatedStroke(stroke=stroke, before=change, after=change)
-    try:
-        return ModulatedStroke(stroke=stroke, after=change, ramp=(table.ramp[0], table.ramp[1]))
-    except FlycontrolError as error:
-        raise InvalidInputError(f"{read.where('ramp')}: {error}") from error
 
 
 def _listed(names: Iterable[str]) -> str:

@@ -2,35 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flycontrol.errors import InvalidInputError, InvalidParameterError
+from flycontrol.model.hinge import DampedSpring
 from flycontrol.model.morphology import Morphology
-from flycontrol.model.steered_stroke import SteeredStroke, StrokeChange
-from flycontrol.model.stroke import Side
+from flycontrol.model.provenance import Provenance
+from flycontrol.model.steering import Steering
 from flycontrol.model.stroke_kinematics import StrokeKinematics
-from flycontrol.model.wing_stroke import Modulation
 from flycontrol.units import ms
 
 FloatArray = NDArray[np.float64]
 Vector = tuple[float, float, float]
 Freedom = Literal["forward", "sideways", "down", "roll", "pitch", "yaw"]
-SIDES: tuple[Side, Side] = ("left", "right")
 FREEDOMS: tuple[Freedom, ...] = get_args(Freedom)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SpringJoint:
-    """Tau = -kappa (x - x_0) - C x'."""
-
-    stiffness: float  #: kappa [N m/rad]
-    damping: float = 0.0  #: C [N m s/rad]
-    rest_angle: float = np.pi / 2  #: x_0 [rad]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,7 +36,7 @@ class TorqueJoint:
         return self.mean + self.amplitude * np.cos(2 * np.pi * phase + self.lead)
 
 
-Joint = SpringJoint | TorqueJoint | None  #: None: prescribed by the stroke
+Joint = DampedSpring | TorqueJoint | None  #: None: prescribed by the stroke
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,16 +75,6 @@ class TorquePulse:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Steering:
-    """A change of both wings' strokes that comes with its onset and stays."""
-
-    onset: FlightTime
-    over: FlightTime  #: how long it takes to come
-    left: Modulation
-    right: Modulation
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Air:
     """What the air does."""
 
@@ -110,9 +90,9 @@ class Spread:
 
     mass: float = 0.0  #: relative, inertia with it
     wing_length: float = 0.0  #: relative, mean chord with it
-    stroke_amplitude: float = 0.0  #: relative
-    stroke_offset: float = 0.0  #: [rad]
-    deviation_offset: float = 0.0  #: [rad]
+    stroke_gain: float = 0.0  #: of the amplitude, both wings
+    stroke_offset: float = 0.0  #: both wings [rad]
+    deviation_offset: float = 0.0  #: both wings [rad]
     pitch_offset: float = 0.0  #: of each wing on its own, d_alpha on the forward stroke [rad]
     torque: float = 0.0  #: of pulses, relative
     onset: float = 0.0  #: of pulses [s]
@@ -134,8 +114,10 @@ class FlightExperiment:
     name: str
     morphology: Morphology
     stroke: StrokeKinematics  #: unsteered, as it is to be flown, or where the trim begins
-    trim: tuple[str, ...]  #: three parameters that are moved until the fly hovers; none: the stroke stays as it is
+    trim: tuple[str, ...] = ()  #: three parameters that are moved until the fly hovers; none: the stroke stays as it is
+    body_pitch: float = 0.0  #: of the stroke plane above the horizon, where the trim begins or stays [rad]
     wingbeats: int
+    sources: Mapping[str, Provenance] = field(default_factory=dict[str, Provenance])  #: of the morphology's numbers
     free: tuple[Freedom, ...] = FREEDOMS  #: what may move of the body; the rest is held
     left: WingJoints = WingJoints()
     right: WingJoints = WingJoints()
@@ -158,18 +140,9 @@ class FlightExperiment:
 
     def steered(self, stroke: StrokeKinematics) -> StrokeKinematics:
         """A stroke, once trimmed, with the experiment's steering."""
-        if not self.steering:
-            return stroke
-        wings = {side: SteeredStroke(stroke=stroke.wing(side), changes=self._changes(side, stroke)) for side in SIDES}
-        return replace(stroke, left=wings["left"], right=wings["right"])
-
-    def _changes(self, side: Side, stroke: StrokeKinematics) -> tuple[StrokeChange, ...]:
-        found: list[StrokeChange] = []
-        for each in self.steering:
-            start, over = (stroke.frequency * time.at(stroke.frequency) for time in (each.onset, each.over))
-            change = each.left if side == "left" else each.right
-            found.append(StrokeChange(change=change, start=start, end=start + over))
-        return tuple(found)
+        for change in self.steering:
+            stroke = change.applied(stroke)
+        return stroke
 
 
 def refuse_pulses_outside(pulses: Sequence[TorquePulse], wingbeats: int, frequency: float) -> None:

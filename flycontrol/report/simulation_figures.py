@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
+from flycontrol.flight.experiment_ensemble import FlownEnsemble
 from flycontrol.flight.flight_record import Closely, FlightRecord
 from flycontrol.report.figures.flight_attitude import body_attitude, yaw_response
+from flycontrol.report.figures.flight_ensemble import ensemble_attitude
 from flycontrol.report.figures.flight_loads import force_terms, torque_terms
 from flycontrol.report.figures.flight_means import wingbeat_mean_loads
 from flycontrol.report.figures.flight_power import hinge_power
@@ -17,11 +19,11 @@ from flycontrol.report.page_figures import PageFigure
 from flycontrol.report.style import svg
 from flycontrol.units import deg, mm
 
-FIGURES = ("yaw", "attitude", "track", "means", "forces", "torques", "wings", "tips", "power")
+FIGURES = ("yaw", "attitude", "track", "means", "forces", "torques", "wings", "tips", "power", "ensemble")
 _MICRO = 1e-6
 
 
-def simulation_figures(record: FlightRecord) -> dict[str, PageFigure]:
+def simulation_figures(record: FlightRecord, ensemble: FlownEnsemble | None = None) -> dict[str, PageFigure]:
     """Draw every figure that the flight has parts for, by name."""
     drawn = [_attitude(record), _track(record)]
     if any(pulse.torque_S[2] for pulse in record.planned.plan.pulses):
@@ -30,7 +32,23 @@ def simulation_figures(record: FlightRecord) -> dict[str, PageFigure]:
         drawn.append(_means(record))
     if record.closely is not None and len(record.closely.flight.time) > 1:
         drawn += _of_a_few_wingbeats(record, record.closely)
+    if ensemble is not None:
+        drawn.append(_ensemble(record, ensemble))
     return {figure.name: figure for figure in drawn}
+
+
+def _ensemble(record: FlightRecord, ensemble: FlownEnsemble) -> PageFigure:
+    ends = ensemble.yaw[np.isfinite(ensemble.yaw[:, -1]), -1] / deg
+    low, middle, high = np.percentile(ends, [5, 50, 95]) if len(ends) else [np.nan] * 3
+    stopped = sum(status != "complete" for status in ensemble.status)
+    caption = (
+        f"{ensemble.flights} flights, each with its own fly, stroke and pulse, drawn about those of the flight above. "
+        f"At the end the heading’s median is {fixed(middle, 1)}°, and nine tenths lie between {fixed(low, 1)}° and "
+        f"{fixed(high, 1)}°."
+    )
+    if stopped:
+        caption += f" {stopped} of them diverged and are drawn until then."
+    return _page_figure("ensemble", ensemble_attitude(record, ensemble), "Attitude of the ensemble", caption)
 
 
 def _of_a_few_wingbeats(record: FlightRecord, closely: Closely) -> list[PageFigure]:
@@ -66,7 +84,10 @@ def _attitude(record: FlightRecord) -> PageFigure:
             f" It ends turned by {_sided(body.yaw[-1] / deg, '°')}, {degrees(body.nose_up[-1])} nose up and rolled by "
             f"{_sided(body.roll[-1] / deg, '°')}."
         )
-    caption += " The ripple is the wings’ inertia and their changing load within each wingbeat."
+    caption += (
+        " Where the nose passes the vertical, heading and roll jump. The ripple is the wings’ inertia and their "
+        "changing load within each wingbeat."
+    )
     return _page_figure("attitude", body_attitude(record), "Attitude and rates of the body", caption)
 
 

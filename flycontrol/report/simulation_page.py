@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
+from flycontrol.flight.experiment_ensemble import FlownEnsemble
 from flycontrol.flight.flight_record import FlightRecord
 from flycontrol.jobs.files import write_files_atomically
 from flycontrol.jobs.progress import Progress, no_progress
@@ -13,7 +14,12 @@ from flycontrol.report.animation import FRAME_TIME, gif
 from flycontrol.report.numbers import sentence
 from flycontrol.report.page import template_environment, the_css
 from flycontrol.report.simulation_figures import FIGURES, simulation_figures
-from flycontrol.report.simulation_result import FlightProvenance, flight_provenance, simulation_result_json
+from flycontrol.report.simulation_result import (
+    FlightProvenance,
+    ensemble_csv,
+    flight_provenance,
+    simulation_result_json,
+)
 
 _WORDS = {
     "trajectory.nc": "is the whole flight (netCDF-4)",
@@ -23,6 +29,7 @@ _WORDS = {
     "result.json": "holds the numbers unrounded, with the meaning and unit of each field",
     "flight.gif": "is the animation",
     "flight.mp4": "is the animation too",
+    "ensemble.csv": "holds the end of each flight of the ensemble",
 }
 
 
@@ -32,6 +39,7 @@ def write_flight_report(
     beside: Mapping[str, str | bytes | Path],
     *,
     command: str,
+    ensemble: FlownEnsemble | None = None,
     progress: Progress = no_progress,
 ) -> tuple[Path, ...]:
     """Write index.html and result.json, and with them the files beside them, all or none.
@@ -43,9 +51,11 @@ def write_flight_report(
     folder
         Where the files go.
     beside
-        Trajectory and mapping: texts, or paths of finished files in the folder.
+        Trajectory, mapping, and an MP4 if there is one: texts, or paths of finished files in the folder.
     command
         That made this report, as it shall stand in its provenance.
+    ensemble
+        What an ensemble about this flight did.
 
     Raises
     ------
@@ -53,20 +63,24 @@ def write_flight_report(
         If the files cannot be written; earlier ones stay as they were.
     """
     origin = flight_provenance(record.planned.experiment, command)
-    films = {"flight.gif": gif(record)} if len(record.film.time) > 1 else {}
+    films: dict[str, str | bytes] = {"flight.gif": gif(record)} if len(record.film.time) > 1 else {}
+    if ensemble is not None:
+        films["ensemble.csv"] = ensemble_csv(ensemble)
     files = {name: _WORDS[name] for name in (*beside, *films, "result.json")}
     made = {
-        "result.json": simulation_result_json(record, origin, files),
-        "index.html": simulation_page(record, origin, files),
+        "result.json": simulation_result_json(record, origin, files, ensemble),
+        "index.html": simulation_page(record, origin, files, ensemble),
     }
     progress(record.wingbeats, record.wingbeats, "writing")
     return write_files_atomically(folder, {**beside, **films, **made})
 
 
-def simulation_page(record: FlightRecord, origin: FlightProvenance, files: Mapping[str, str]) -> str:
+def simulation_page(
+    record: FlightRecord, origin: FlightProvenance, files: Mapping[str, str], ensemble: FlownEnsemble | None = None
+) -> str:
     """Render the page; all but the animation is in it."""
     environment = template_environment()
-    figures = simulation_figures(record)
+    figures = simulation_figures(record, ensemble)
     trim = record.planned.trim
     return environment.get_template("simulation.html").render(
         css=the_css(environment),

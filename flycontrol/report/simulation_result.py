@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 import platform
+from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Any
 
 import numpy as np
 
+from flycontrol.flight.experiment_ensemble import ANGLES, FlownEnsemble
 from flycontrol.flight.flight_record import FlightRecord
 from flycontrol.flight.quasi_steady import TERMS
 from flycontrol.model.flight_experiment import FlightExperiment
@@ -52,7 +56,7 @@ FIELDS: dict[str, str] = {
     "mean.lift_weights.all": "of all terms",
     "mean.power_uw": "of both hinges",
     "mean.power_w_per_kg": "over the fly's mass",
-    "yaw.peak_deg": "farthest from the heading at the beginning, to the right",
+    "yaw.peak_deg": "farthest from the heading at the beginning, to the right, while tilted by less than 60 deg",
     "yaw.peak_time_ms": "when",
     "yaw.peak_rate_rad_per_s": "fastest mean of a wingbeat about the stroke-plane normal",
     "end.time_ms": "last instant",
@@ -65,6 +69,11 @@ FIELDS: dict[str, str] = {
     "beats.lift_weights[]": "upward force of the air in the world",
     "beats.yaw_rate_rad_per_s[]": "mean about the stroke-plane normal",
     "beats.power_uw[]": "of both hinges",
+    "ensemble.flights": "how many; null: there is no ensemble",
+    "ensemble.complete": "that flew to the end",
+    "ensemble.heading_deg[]": "at the end, percentiles 5, 50 and 95 of those",
+    "ensemble.nose_up_deg[]": "likewise",
+    "ensemble.roll_deg[]": "likewise",
     "files.*": "what lies beside this file",
     "provenance.command": "that made this report",
     "provenance.experiment": "name of the experiment's file",
@@ -93,7 +102,9 @@ def flight_provenance(experiment: FlightExperiment, command: str) -> FlightProve
     )
 
 
-def simulation_result(record: FlightRecord, origin: FlightProvenance, files: dict[str, str]) -> dict[str, Any]:
+def simulation_result(
+    record: FlightRecord, origin: FlightProvenance, files: Mapping[str, str], ensemble: FlownEnsemble | None = None
+) -> dict[str, Any]:
     """All fields, numbers unrounded, None where a number does not exist."""
     planned, asked = record.planned, record.planned.experiment
     fields = {
@@ -131,7 +142,8 @@ def simulation_result(record: FlightRecord, origin: FlightProvenance, files: dic
             "yaw_rate_rad_per_s": list(record.beats.angular_velocity_S[:, 2]),
             "power_uw": list(record.beats.power / 1e-6),
         },
-        "files": files,
+        "ensemble": None if ensemble is None else _ensemble(ensemble),
+        "files": dict(files),
         "provenance": {
             "command": origin.command,
             "experiment": origin.experiment,
@@ -143,9 +155,14 @@ def simulation_result(record: FlightRecord, origin: FlightProvenance, files: dic
     return finite(fields)
 
 
-def simulation_result_json(record: FlightRecord, origin: FlightProvenance, files: dict[str, str]) -> str:
+def simulation_result_json(
+    record: FlightRecord, origin: FlightProvenance, files: Mapping[str, str], ensemble: FlownEnsemble | None = None
+) -> str:
     """The text of result.json."""
-    return json.dumps(simulation_result(record, origin, files), indent=1, allow_nan=False, ensure_ascii=False) + "\n"
+    return (
+        json.dumps(simulation_result(record, origin, files, ensemble), indent=1, allow_nan=False, ensure_ascii=False)
+        + "\n"
+    )
 
 
 def _fly(asked: FlightExperiment) -> dict[str, Any]:
@@ -208,6 +225,34 @@ def _end(record: FlightRecord) -> dict[str, Any] | None:
         "roll_deg": body.roll[-1] / deg,
         "velocity_m_per_s": list(body.velocity_S[-1]),
     }
+
+
+def _ensemble(ensemble: FlownEnsemble) -> dict[str, Any]:
+    complete = np.array([status == "complete" for status in ensemble.status])
+
+    def ends(angles: np.ndarray) -> list[float | None]:
+        at_the_end = angles[complete, -1] / deg
+        return list(np.percentile(at_the_end, [5, 50, 95])) if len(at_the_end) else [None] * 3
+
+    return {
+        "flights": ensemble.flights,
+        "complete": int(np.count_nonzero(complete)),
+        "heading_deg": ends(ensemble.yaw),
+        "nose_up_deg": ends(ensemble.nose_up),
+        "roll_deg": ends(ensemble.roll),
+    }
+
+
+def ensemble_csv(ensemble: FlownEnsemble) -> str:
+    """One row a flight: how long it flew, and its attitude at the last instant that was kept."""
+    text = io.StringIO()
+    rows = csv.writer(text, lineterminator="\n")
+    rows.writerow(["flight", "wingbeats", "heading_deg", "nose_up_deg", "roll_deg", "status"])
+    for k, status in enumerate(ensemble.status):
+        last = int(np.flatnonzero(np.isfinite(ensemble.yaw[k]))[-1]) if np.any(np.isfinite(ensemble.yaw[k])) else 0
+        angles = [repr(float(getattr(ensemble, name)[k, last] / deg)) for name in ANGLES]
+        rows.writerow([k, int(ensemble.wingbeats[k]), *angles, status])
+    return text.getvalue()
 
 
 def _largest(values: np.ndarray) -> float:

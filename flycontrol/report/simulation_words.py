@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 from flycontrol.flight.flight_record import FlightRecord
 from flycontrol.flight.quasi_steady import TERMS
-from flycontrol.model.flight_experiment import FREEDOMS, Joint, SpringJoint
+from flycontrol.model.flight_experiment import FREEDOMS, Joint, TorqueJoint
+from flycontrol.model.steering import Steering
 from flycontrol.report.numbers import degrees, fixed, milliseconds, sentence, significant
-from flycontrol.units import deg, mm, ms, nN_m
+from flycontrol.units import deg, mm, nN_m
 
 _MICRO = 1e-6
 _TRIMMED = {
@@ -41,13 +42,13 @@ def lead(record: FlightRecord) -> list[str]:
         else f"The flight {sentence(record.status)}"
     )
     sentences = [first]
-    if record.mean is not None and planned.plan.fly.air.terms:
+    if record.complete and record.mean is not None and planned.plan.fly.air.terms:
         carried = float(record.mean.lift.sum()) / asked.morphology.weight
         sentences.append(f"In the mean over the flight the air carried {fixed(carried, 3)} of its weight.")
     if record.peak_yaw and planned.plan.pulses:
         side = "right" if record.peak_yaw > 0 else "left"
         sentences.append(f"Its heading went {degrees(abs(record.peak_yaw))} to the {side} at the most.")
-    if asked.free == FREEDOMS and planned.plan.fly.air.terms:
+    if record.complete and planned.trim is not None and asked.free == FREEDOMS and not asked.steering:
         sentences.append("Nothing steers: hover without a controller is unstable, and what a pulse has begun grows.")
     return sentences
 
@@ -88,8 +89,8 @@ def experiment_rows(record: FlightRecord) -> list[Row]:
             )
         )
     for number, change in enumerate(asked.steering, start=1):
-        rows.append(Row(f"Steering {number}", f"from {change.onset.at(planned.frequency) / ms:.3g} ms", "see the file"))
-    return rows  # fmt: skip
+        rows.append(Row(f"Steering {number}", _when(change), _what(change)))
+    return rows
 
 
 def trim_rows(record: FlightRecord) -> list[Row]:
@@ -158,6 +159,25 @@ def _wing(wing: object) -> str:
 def _joint(joint: Joint) -> str:
     if joint is None:
         return "prescribed"
-    if isinstance(joint, SpringJoint):
-        return f"a spring of {significant(joint.stiffness, 3, 'N m/rad')}"
-    return f"driven by {significant(joint.amplitude, 3, 'N m')}"
+    if isinstance(joint, TorqueJoint):
+        return f"driven by {significant(joint.amplitude, 3, 'N m')}"
+    return f"a spring of {significant(joint.stiffness, 3, 'N m/rad')}"
+
+
+def _when(change: Steering) -> str:
+    return "throughout" if change.ramp is None else f"wingbeats {change.ramp[0]:g} to {change.ramp[1]:g}"
+
+
+def _what(change: Steering) -> str:
+    """Both wings' changes, in degrees; the amplitude's in percent."""
+    parts: list[str] = []
+    for side, wing in (("left", change.left), ("right", change.right)):
+        angles = {
+            "stroke": wing.stroke_offset,
+            "deviation": wing.deviation_offset,
+            "pitch, forward stroke": wing.pitch_offset,
+        }
+        said = [f"{name} {degrees(angle)}" for name, angle in angles.items() if angle]
+        said += [f"amplitude {fixed(100 * wing.stroke_gain, 1, '%')}"] if wing.stroke_gain else []
+        parts += [f"{side} wing: {', '.join(said)}"] if said else []
+    return "; ".join(parts)

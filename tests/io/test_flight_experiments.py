@@ -3,7 +3,8 @@ import pytest
 
 from flycontrol.errors import InvalidInputError
 from flycontrol.io.flight_experiments import experiment_text, read_flight_experiment
-from flycontrol.model.flight_experiment import FREEDOMS, SpringJoint, TorqueJoint
+from flycontrol.model.flight_experiment import FREEDOMS, TorqueJoint
+from flycontrol.model.hinge import DampedSpring
 from flycontrol.model.morphology import pitch_rotation
 from flycontrol.units import deg, ms
 
@@ -81,13 +82,19 @@ def test_a_torque_about_a_body_axis_is_turned_into_the_stroke_plane(read):
 
 
 def test_paddling_raises_the_right_wing_and_lowers_the_left_one(read):
-    flight = read('[[modulation]]\nonset = "3 wingbeats"\npaddling = "3 deg"\npitch_offset = "1 deg"')
+    flight = read('[[stroke.modulation]]\nramp = [3, 4]\npaddling = "3 deg"')
     steered = flight.steered(flight.stroke)
     late = np.array([9.2])
     plain = flight.stroke.right(late).angles
-    assert steered.right(late).angles - plain == pytest.approx(np.array([[0, 0, 4 * deg]]), abs=1e-15)
-    assert steered.left(late).angles - plain == pytest.approx(np.array([[0, 0, -2 * deg]]), abs=1e-15)
+    assert steered.right(late).angles - plain == pytest.approx(np.array([[0, 0, 3 * deg]]), abs=1e-15)
+    assert steered.left(late).angles - plain == pytest.approx(np.array([[0, 0, -3 * deg]]), abs=1e-15)
     assert steered.left(np.array([2.9])).angles == pytest.approx(flight.stroke.left(np.array([2.9])).angles, abs=0)
+
+
+def test_a_fly_may_differ_from_a_published_one(read):
+    flight = read('[morphology]\nfly = "drosophila_melanogaster"\nwing_length = "2.5 mm"')
+    assert flight.morphology.wing_length == 2.5e-3
+    assert flight.morphology.mass == read_flight_experiment().morphology.mass
 
 
 def test_freedoms_come_one_by_one(read):
@@ -97,11 +104,11 @@ def test_freedoms_come_one_by_one(read):
 
 def test_hinges_are_springs_or_torques_of_both_wings_or_of_one(read):
     flight = read(
-        "[stroke]\ntrim = []\n"
+        "[trim]\nmoves = []\n"
         '[hinges]\npitch = { kind = "spring", stiffness = "2e-9 N m/rad", rest_angle = "80 deg" }\n'
         '[hinges.left]\nstroke = { kind = "torque", amplitude = "4e-8 N m" }\n'
     )
-    assert flight.left.pitch == flight.right.pitch == SpringJoint(stiffness=2e-9, rest_angle=80 * deg)
+    assert flight.left.pitch == flight.right.pitch == DampedSpring(stiffness=2e-9, rest_angle=80 * deg)
     assert flight.left.stroke == TorqueJoint(amplitude=4e-8)
     assert flight.right.stroke is None
 
@@ -118,9 +125,10 @@ def test_what_cannot_be_meant_is_refused_with_file_line_and_a_way_out(refused):
     assert "lies outside the flight of 20 wingbeats" in refused(
         '[[pulse]]\naxis = "yaw"\ntorque = "1e-9 N m"\nonset = "30 wingbeats"\nduration = "1 wingbeat"'
     )
-    assert "three different names are needed" in refused('[stroke]\ntrim = ["frequency"]')
-    assert "no fly beats its wings so" in refused('[stroke]\nfrequency = "220 kHz"')
-    assert "published are drosophila_melanogaster" in refused('[fly]\nmorphology = "a_wasp"')
+    assert "three different names are needed" in refused('[trim]\nmoves = ["frequency"]')
+    assert "line 2: stroke.frequency is '220 kHz', outside the plausible" in refused('[stroke]\nfrequency = "220 kHz"')
+    assert "a_wasp: there is no such file" in refused('[morphology]\nfly = "a_wasp"')
+    assert "line 2: stroke.both.kind is 'Wang'" in refused('[stroke.both]\nkind = "Wang"')
     assert "has no stiffness, which a spring needs" in refused('[hinges]\npitch = { kind = "spring" }')
     assert "is not of a spring" in refused('[hinges]\npitch = { kind = "spring", amplitude = "1e-9 N m" }')
     assert "Only prescribed wings are trimmed" in refused(

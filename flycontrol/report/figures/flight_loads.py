@@ -8,7 +8,14 @@ from numpy.typing import NDArray
 
 from flycontrol.flight.flight_record import Closely, FlightRecord
 from flycontrol.flight.quasi_steady import TERMS
-from flycontrol.report.figures.flight_panels import TERM_LINES, TOTAL_LINE, legend_above, panels_over_time, span_of
+from flycontrol.report.figures.flight_panels import (
+    TERM_LINES,
+    TOTAL_LINE,
+    at_least,
+    legend_above,
+    panels_over_time,
+    span_of,
+)
 from flycontrol.report.style import in_house_style
 from flycontrol.units import ms, nN_m
 
@@ -20,7 +27,8 @@ def force_terms(record: FlightRecord, closely: Closely) -> Figure:
     """Upward, forward and sideways force in the stroke-plane frame, over the weight."""
     weight = record.planned.experiment.morphology.weight
     labels = ("upward [weights]", "forward [weights]", "to the right [weights]")
-    return _terms(record, closely, "force", labels, np.array([[0, 0, -1], [1, 0, 0], [0, 1, 0]]) / weight)
+    turn = np.array([[0, 0, -1], [1, 0, 0], [0, 1, 0]]) / weight
+    return _terms(record, closely, "force", labels, turn)
 
 
 @in_house_style()
@@ -42,6 +50,7 @@ def _terms(record: FlightRecord, closely: Closely, what: str, labels: tuple[str,
         ax.plot(time, getattr(closely.loads.total, what) @ turn[k], **TOTAL_LINE)
         for term, load in loads.items():
             ax.plot(time, load[:, k], **TERM_LINES[term])
+        at_least(ax, 0.02)
     span_of(panels, closely.flight.time)
     figure.align_ylabels(panels)
     legend_above(figure, panels[0])

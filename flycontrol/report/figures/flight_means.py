@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 from matplotlib.figure import Figure
 
 from flycontrol.flight.flight_record import FlightRecord
@@ -37,7 +36,7 @@ def wingbeat_mean_loads(record: FlightRecord) -> Figure:
     for axis, ax in enumerate(panels[1:]):
         ax.plot(time, beats.torque_S.sum(axis=1)[:, axis] / nN_m, **TOTAL_LINE, **dots)
         at_least(ax, 0.05)
-    panels[0].set_xlim(0, max(planned.experiment.wingbeats / planned.frequency / ms, float(np.max(time, initial=0))))
+    panels[0].set_xlim(0, record.wingbeats / planned.frequency / ms)
     figure.align_ylabels(panels)
     legend_above(figure, panels[0])
     return figure

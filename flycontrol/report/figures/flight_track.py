@@ -32,6 +32,8 @@ def body_track(record: FlightRecord) -> Figure:
     over_time.plot(time, x, color=EXACT, linewidth=1.6, label="ahead")
     over_time.plot(time, -y, color=PADE, linewidth=1.6, linestyle=(0, (4, 2)), label="right")
     over_time.plot(time, z, color=MARK, linewidth=1.6, linestyle=(0, (1, 1.2)), label="up")
+    if len(time) > 1:
+        over_time.set_xlim(time[0], time[-1])
     over_time.set_xlabel("time [ms]")
     over_time.set_ylabel("position [mm]")
     over_time.legend(loc="best")
