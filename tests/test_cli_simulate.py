@@ -4,6 +4,7 @@ import re
 import sys
 from functools import partial
 
+import h5py
 import numpy as np
 import pytest
 from PIL import Image
@@ -104,7 +105,8 @@ def test_a_flight_that_diverges_ends_with_status_3_and_keeps_what_was_flown(simu
     assert found["status"] in log
     assert found["wingbeats"] == 3
     assert "stopped in wingbeat 3" in (out / "index.html").read_text(encoding="utf-8")
-    assert len(read_recording(out / "trajectory.nc", out / "mapping.toml").time) > 3 * 50
+    with h5py.File(out / "trajectory.nc") as kept:
+        assert len(kept["time"]) > 3 * 50
 
 
 def test_what_cannot_be_flown_is_refused_in_a_sentence_and_nothing_is_written(simulate, command, tmp_path):

@@ -69,7 +69,7 @@ FIELDS: dict[str, str] = {
     "beats.lift_weights[]": "upward force of the air in the world",
     "beats.yaw_rate_rad_per_s[]": "mean about the stroke-plane normal",
     "beats.power_uw[]": "of both hinges",
-    "ensemble.flights": "how many; null: there is no ensemble",
+    "ensemble.flights": "how many; there only where the experiment has an ensemble",
     "ensemble.complete": "that flew to the end",
     "ensemble.heading_deg[]": "at the end, percentiles 5, 50 and 95 of those",
     "ensemble.nose_up_deg[]": "likewise",
@@ -142,7 +142,7 @@ def simulation_result(
             "yaw_rate_rad_per_s": list(record.beats.angular_velocity_S[:, 2]),
             "power_uw": list(record.beats.power / 1e-6),
         },
-        "ensemble": None if ensemble is None else _ensemble(ensemble),
+        **({} if ensemble is None else {"ensemble": _ensemble(ensemble)}),
         "files": dict(files),
         "provenance": {
             "command": origin.command,
@@ -177,10 +177,10 @@ def _fly(asked: FlightExperiment) -> dict[str, Any]:
     }
 
 
-def _trim(record: FlightRecord) -> dict[str, Any] | None:
+def _trim(record: FlightRecord) -> dict[str, Any]:
     trim = record.planned.trim
     if trim is None:
-        return None
+        return dict.fromkeys(("status", "forward_weights", "down_weights", "pitch_weights_wing_lengths"))
     return {
         "status": trim.status,
         "forward_weights": trim.balance.forward,
