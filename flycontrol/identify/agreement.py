@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from flycontrol.errors import InvalidInputError
 from flycontrol.identify.yaw_plant import Estimate
+from flycontrol.model.resampling import wrapped_blocks
 
 FloatArray = NDArray[np.float64]
 
@@ -58,7 +59,10 @@ def agreement(
             )
     rng = np.random.default_rng(seed)
     pairs = [np.stack([s, r], axis=1) for s, r in zip(supplied, required, strict=True)]
-    drawn = [_moments([p[_blocks(len(p), block, rng)] for p in pairs]), _moments([p[None] for p in pairs])]
+    drawn = [
+        _moments([p[wrapped_blocks(len(p), block, RESAMPLES, rng)] for p in pairs]),
+        _moments([p[None] for p in pairs]),
+    ]
     resampled, as_is = (_measures(m) for m in drawn)
     low, high = np.quantile(resampled, [0.025, 0.975], axis=1)
     correlation, slope, slope_of_required = (
@@ -68,13 +72,6 @@ def agreement(
     return Agreement(
         correlation=correlation, slope=slope, slope_of_required=slope_of_required, wingbeats=sum(map(len, pairs))
     )
-
-
-def _blocks(n: int, block: int, rng: np.random.Generator) -> NDArray[np.intp]:
-    """(resamples, n) indices of blocks that wrap round at the end."""
-    length = min(block, n)
-    starts = rng.integers(0, n, size=(RESAMPLES, -(-n // length)))
-    return ((starts[..., None] + np.arange(length)) % n).reshape(RESAMPLES, -1)[:, :n]
 
 
 def _moments(flights: list[FloatArray]) -> FloatArray:

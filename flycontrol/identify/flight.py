@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,14 +19,12 @@ from flycontrol.identify.yaw_plant import Estimate, explained
 from flycontrol.model.morphology import Morphology
 from flycontrol.model.paddling import Paddling, paddling
 from flycontrol.model.recording import Recording, WingAngles
-from flycontrol.model.stroke import WingMotion, both_wings, wing_motion
+from flycontrol.model.stroke import ANGLES, Angle, WingMotion, both_wings, wing_motion
 from flycontrol.model.wingbeats import PhaseAverage, Wingbeats, phase_average, segment_wingbeats, wingbeat_mean
 from flycontrol.units import deg
 
 FloatArray = NDArray[np.float64]
-Angle = Literal["stroke", "deviation", "pitch"]
 
-ANGLES: tuple[Angle, ...] = ("stroke", "deviation", "pitch")
 PHASES = 120  #: points a wingbeat
 
 

@@ -19,6 +19,9 @@ from flycontrol.model.recording import Recording, WingAngles
 
 FloatArray = NDArray[np.float64]
 Side = Literal["left", "right"]
+Angle = Literal["stroke", "deviation", "pitch"]
+
+ANGLES: tuple[Angle, ...] = ("stroke", "deviation", "pitch")
 
 FEWEST_SAMPLES = 5  #: five-point differences need as many
 

@@ -6,7 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from flycontrol.identify.flight import ANGLES, FlightAnalysis
+from flycontrol.identify.flight import FlightAnalysis
+from flycontrol.model.stroke import ANGLES
 from flycontrol.model.wingbeats import PhaseAverage
 from flycontrol.report.style import EXACT, EXACT_LINE, GUIDE_LINE, PADE, PADE_LINE, QUIET, in_house_style, new_figure
 from flycontrol.units import deg

@@ -1,0 +1,188 @@
+"""Shares of stroke, deviation and pitch in a turn's yaw torque, with intervals over its wingbeats.
+
+A turn is condensed into one number v for each of the eight versions of its wing motion; v is linear in the wingbeats'
+torques N_i, so that its effects are condensed the same way:
+
+    mean:    v = (1/n) sum of N_i
+    slope:   v = sum of (N_i - <N>) (R_i - <R>) / sum of (R_i - <R>)^2
+
+R_i is the torque that the body's motion needs. Noise of tracked wings is in N and hardly in R: it leaves the slope as
+it is, and so do wrong zeros of the wing angles.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flycontrol.errors import InvalidInputError
+from flycontrol.flight.flapping_fly import FlappingFly
+from flycontrol.model.collapsed_wingbeats import CollapsedWingbeats
+from flycontrol.model.resampling import wrapped_blocks
+from flycontrol.model.stroke import ANGLES, Angle
+from flycontrol.reduce.factorial import Factorial
+from flycontrol.reduce.symmetrised_torque import torques_of_stroke
+
+FloatArray = NDArray[np.float64]
+
+SEED = 20101020
+BLOCK = 3  #: wingbeats kept together
+DRAWS = 400
+FEWEST = 4  #: wingbeats that have an interval
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Interval:
+    """A value with its 95 % interval, from quantiles of the bootstrap."""
+
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TorqueShares:
+    """What each angle contributes; the unit is that of v, shares are parts of `total`."""
+
+    wingbeats: int
+    symmetric: Interval  #: v of mirror-symmetric wings: of the body's own motion
+    total: Interval  #: v of all asymmetries together
+    effects: Mapping[Angle, Interval]  #: Shapley's, unit of v
+    alone: Mapping[Angle, Interval]  #: share with this angle alone kept
+    all_but_one: Mapping[Angle, Interval]  #: share lost with this angle alone symmetrised
+    shapley: Mapping[Angle, Interval]  #: share, mean over all orders; they add up to 1
+    interaction: Interval  #: 1 less the shares alone
+    bounded: bool  #: whether the total differs from zero; if not, shares have no bounds
+
+    @property
+    def status(self) -> str:
+        """What may be said of the shares, as a sentence."""
+        if not self.bounded:
+            return "The asymmetric torque cannot be told from none, so that its shares have no bounds."
+        return f"Shares of {self.wingbeats} wingbeats add up with an interaction of {self.interaction.value:+.1%}."
+
+
+def shares_of_mean(torques: FloatArray, block: int = BLOCK, draws: int = DRAWS, seed: int = SEED) -> TorqueShares:
+    """Shares of the mean torque of n wingbeats.
+
+    Parameters
+    ----------
+    torques : (n, 8) by wingbeat and version [N m]
+    block : wingbeats that the bootstrap keeps together
+    draws : of the bootstrap
+    seed : of the bootstrap
+    """
+    picks = _picks(len(torques), block, draws, np.random.default_rng(seed))
+    return torque_shares(torques.mean(axis=0), torques[picks].mean(axis=1), len(torques))
+
+
+def shares_of_slope(
+    torques: Sequence[FloatArray],
+    required: Sequence[FloatArray],
+    block: int = BLOCK,
+    draws: int = DRAWS,
+    seed: int = SEED,
+) -> TorqueShares:
+    """Shares of the slope of supplied on required torque, flights pooled, means of each flight taken out.
+
+    Parameters
+    ----------
+    torques : (n, 8) by wingbeat and version for each flight [N m]
+    required : (n,) for each flight [N m]
+    block : wingbeats that the bootstrap keeps together, within a flight
+    draws : of the bootstrap
+    seed : of the bootstrap
+    """
+    rng = np.random.default_rng(seed)
+    picks = [_picks(len(r), block, draws, rng) for r in required]
+    drawn = [_sums(N[i], R[i]) for N, R, i in zip(torques, required, picks, strict=True)]
+    as_is = [_sums(N[None], R[None]) for N, R in zip(torques, required, strict=True)]
+    slopes, slope = (np.sum([p for p, _ in s], axis=0) / np.sum([q for _, q in s], axis=0) for s in (drawn, as_is))
+    return torque_shares(slope[0], slopes, sum(map(len, required)))
+
+
+def shares_of_collapsed(
+    fly: FlappingFly,
+    wingbeats: CollapsedWingbeats,
+    quiet: CollapsedWingbeats | None = None,
+    block: int = BLOCK,
+    draws: int = DRAWS,
+    seed: int = SEED,
+) -> TorqueShares:
+    """Shares of the torque of a turn's mean wingbeat on a held body; the bootstrap draws wingbeats and collapses again.
+
+    Parameters
+    ----------
+    fly : its air and shape
+    wingbeats : of the turn
+    quiet : wingbeats of straight flight whose torques are taken away, version by version, if zeros of the wings' angles
+        are in doubt
+    block : wingbeats that the bootstrap keeps together
+    draws : of the bootstrap
+    seed : of the bootstrap
+    """
+    rng = np.random.default_rng(seed)
+    values, drawn = _collapsed(fly, wingbeats, block, draws, rng)
+    if quiet is not None:
+        quiet_values, quiet_drawn = _collapsed(fly, quiet, block, draws, rng)
+        values, drawn = values - quiet_values, drawn - quiet_drawn
+    return torque_shares(values, drawn, wingbeats.count)
+
+
+def torque_shares(values: FloatArray, draws: FloatArray, wingbeats: int) -> TorqueShares:
+    """Shares from the eight values (8,) and those of the bootstrap's draws (d, 8)."""
+    plain, drawn = Factorial(values=values), Factorial(values=draws)
+    total = _interval(plain.total, drawn.total)
+    bounded = total.low > 0 or total.high < 0
+
+    def share(part: FloatArray, parts: FloatArray) -> Interval:
+        if not bounded:
+            return Interval(value=float(part / plain.total), low=-np.inf, high=np.inf)
+        return _interval(part / plain.total, parts / drawn.total)
+
+    return TorqueShares(
+        wingbeats=wingbeats,
+        symmetric=_interval(plain.symmetric, drawn.symmetric),
+        total=total,
+        effects=_by_angle(_interval, plain.shapley, drawn.shapley),
+        alone=_by_angle(share, plain.alone, drawn.alone),
+        all_but_one=_by_angle(share, plain.all_but_one, drawn.all_but_one),
+        shapley=_by_angle(share, plain.shapley, drawn.shapley),
+        interaction=share(plain.interaction, drawn.interaction),
+        bounded=bounded,
+    )
+
+
+def _by_angle(
+    interval: Callable[[FloatArray, FloatArray], Interval], part: FloatArray, parts: FloatArray
+) -> dict[Angle, Interval]:
+    return {angle: interval(part[k], parts[:, k]) for k, angle in enumerate(ANGLES)}
+
+
+def _interval(value: FloatArray, draws: FloatArray) -> Interval:
+    low, high = np.quantile(draws, [0.025, 0.975])
+    return Interval(value=float(value), low=float(low), high=float(high))
+
+
+def _picks(n: int, block: int, draws: int, rng: np.random.Generator) -> NDArray[np.intp]:
+    """Blocks of at most a third of the wingbeats, or all draws of a short turn would be alike."""
+    if n < FEWEST:
+        raise InvalidInputError(f"Intervals over wingbeats need {FEWEST} of them or more, got {n}; take a longer turn.")
+    return wrapped_blocks(n, max(1, min(block, n // 3)), draws, rng)
+
+
+def _sums(torques: FloatArray, required: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Sums of (N - <N>) (R - <R>), (d, 8), and of (R - <R>)^2, (d, 1), of draws (d, n, 8) and (d, n)."""
+    off = (required - required.mean(axis=1, keepdims=True))[..., None]
+    return np.sum(off * torques, axis=1), np.sum(off**2, axis=1)
+
+
+def _collapsed(
+    fly: FlappingFly, wingbeats: CollapsedWingbeats, block: int, draws: int, rng: np.random.Generator
+) -> tuple[FloatArray, FloatArray]:
+    picks = _picks(wingbeats.count, block, draws, rng)
+    drawn = [torques_of_stroke(fly, wingbeats.drawn(pick).mean_stroke()) for pick in picks]
+    return torques_of_stroke(fly, wingbeats.mean_stroke()), np.stack(drawn)
