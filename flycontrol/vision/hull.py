@@ -205,7 +205,8 @@ def _planes(
         rows = _nearest(matrix[1], along_v, v0, box)
         framed = np.zeros((image.shape[0] + 2, image.shape[1] + 2), np.bool_)
         framed[1:-1, 1:-1] = image
-        seen = framed[np.ix_(np.clip(rows + 1, 0, framed.shape[0] - 1), np.clip(columns + 1, 0, framed.shape[1] - 1))]
+        rows, columns = np.clip(rows + 1, 0, len(framed) - 1), np.clip(columns + 1, 0, framed.shape[1] - 1)
+        seen = framed[rows[:, None], columns[None, :]]
         pair = (min(along_u, along_v), max(along_u, along_v))
         planes[pair] &= seen if along_v < along_u else seen.T
     return planes[0, 1], planes[0, 2], planes[1, 2]
