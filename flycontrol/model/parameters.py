@@ -8,13 +8,15 @@ from typing import Literal, get_args
 from flycontrol.errors import InvalidParameterError
 from flycontrol.model.references import cite
 
-Certainty = Literal["S", "S2", "C", "user"]
+Certainty = Literal["S", "S2", "C", "user", "fit", "fixed"]
 
 CERTAINTIES: dict[Certainty, str] = {
     "S": "read in the source",
     "S2": "second hand: reported by another source than the one that measured it",
     "C": "calibrated by this package, by the rule that the note states",
     "user": "given in the user's parameter file",
+    "fit": "fitted to the recordings",
+    "fixed": "taken for known in the fit to the recordings",
 }
 
 
@@ -58,6 +60,7 @@ class Parameters:
     deadline: Sourced  #: recovery time that real flies keep from the nominal pulse [s]
     damping_low: Sourced  #: lowest published beta/I [1/s]
     damping_high: Sourced  #: highest published beta/I [1/s]
+    paddling_gain: Sourced | None = None  #: gamma [N m/rad]; None: what drag makes of the damping
     defaulted: tuple[str, ...] = ()  #: keys that the user's file left out, as "controller.delay"
     file: str = ""  #: name of the file read
     sha256: str = ""  #: hash of the bytes of the file read and, where keys were missing, of the default file

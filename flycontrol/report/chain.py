@@ -28,12 +28,16 @@ class LoopChain:
     """The chain and the two numbers that fix how the neural gains are shared out; their product alone matters."""
 
     chain: Chain
-    gamma: float  #: paddling torque a paddling angle, beta 0.92 omega [N m/rad]
+    gamma: float  #: paddling torque a paddling angle [N m/rad]
     omega: float  #: mean angular speed of the wings, twice the stroke amplitude a wingbeat [rad/s]
 
 
-def loop_chain(loop: YawLoop, wingbeat_frequency: float) -> LoopChain:
-    """gamma = beta C_D'/(2 C_D) omega.  Review, Eq. 2 and 5; the frequency is in 1/s."""
+def loop_chain(loop: YawLoop, wingbeat_frequency: float, gamma: float | None = None) -> LoopChain:
+    """gamma = beta C_D'/(2 C_D) omega.  Review, Eq. 2 and 5; the frequency is in 1/s.
+
+    A gamma that was measured [N m/rad] takes the place of that estimate.
+    """
     omega = 2.0 * STROKE.value * wingbeat_frequency
-    gamma = loop.plant.damping * DRAG_SLOPE.value * omega
+    if gamma is None:
+        gamma = loop.plant.damping * DRAG_SLOPE.value * omega
     return LoopChain(chain=yaw_chain(loop, gamma, MU.value), gamma=gamma, omega=omega)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from flycontrol.identify.gains.recording_fits import RecordingFit, autocorrelation
 from flycontrol.identify.gains.study import FitStudy, Group
+from flycontrol.model.trial import Pulse
 from flycontrol.report.figures.fit_cloud import gain_cloud
 from flycontrol.report.figures.fit_flies import MOST as MOST_FITS
 from flycontrol.report.figures.fit_flies import fits_compared
@@ -64,9 +65,12 @@ def _recordings(study: FitStudy) -> PageFigure:
         if len(rms) <= MOST
         else f"The {MOST} recordings of {len(rms)} that the fit explains least"
     )
+    perturbations = [recording.trial.perturbation for recording in study.recordings]
+    shade = ", the perturbation shaded" if any(isinstance(each, Pulse) for each in perturbations) else ""
+    shade = "; no perturbation is known" if all(each is None for each in perturbations) else shade
     spread = f"from {fixed(float(rms.min()), 2)}° to {fixed(float(rms.max()), 2)}°" if len(rms) > 1 else ""
     caption = (
-        f"{which}, dots measured, lines fitted, the perturbation shaded. Root mean square residuals, written into the "
+        f"{which}, dots measured, lines fitted{shade}. Root mean square residuals, written into the "
         f"panels, have the median {fixed(float(np.median(rms)), 2)}°{', ' + spread if spread else ''}; the largest is "
         f"that of {worst.trial.name}."
     )
@@ -135,7 +139,7 @@ def _ridge(study: FitStudy) -> PageFigure | None:
 
 def _cloud(study: FitStudy) -> PageFigure | None:
     plane, found, result = study.plane, study.bootstrap, study.result
-    if plane is None or not {"kp", "kd"} <= set(result.problem.names):
+    if plane is None or result.found_nothing or not {"kp", "kd"} <= set(result.problem.names):
         return None
     draws = np.zeros((0, 2)) if found is None else found.draws[:, [found.names.index(name) for name in ("kp", "kd")]]
     level = f"{100 * result.level:g} %"
@@ -145,12 +149,17 @@ def _cloud(study: FitStudy) -> PageFigure | None:
         if len(draws)
         else ""
     )
-    caption = (
-        f"Shaded: gains that are stable at the fitted damping and delay. {cloud}Ellipse: the region that holds both "
-        f"gains with a confidence of {level}, by the covariance. Damping and delay vary too; the boundary is drawn at "
-        "their estimates."
+    ellipse = _ellipse(study) if result.usable else None
+    region = (
+        f"Ellipse: the region that holds both gains with a confidence of {level}, by the covariance. "
+        if ellipse is not None
+        else "No region of confidence is drawn, since the covariance does not give one here. "
     )
-    figure = gain_cloud(plane, draws, _ellipse(study))
+    caption = (
+        f"Shaded: gains that are stable at the fitted damping and delay. {cloud}{region}Damping and delay vary "
+        "too; the boundary is drawn at their estimates."
+    )
+    figure = gain_cloud(plane, draws, ellipse)
     return _page_figure("cloud", figure, "The fly among all gains", caption)
 
 

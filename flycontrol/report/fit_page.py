@@ -21,8 +21,9 @@ from flycontrol.report import fit_tables
 from flycontrol.report.fit_figures import fit_figures
 from flycontrol.report.fit_result import FitProvenance, estimates_csv, fit_result_json
 from flycontrol.report.fit_words import KINDS, differing_flies, digits_for, estimate_rows, paper_table
+from flycontrol.report.fitted import fitted_from
 from flycontrol.report.nominal import dampings, pulse_task, yaw_loop
-from flycontrol.report.numbers import fixed, sentence
+from flycontrol.report.numbers import counted, fixed, sentence
 from flycontrol.report.page import page as stability_page
 from flycontrol.report.page import template_environment, the_css
 from flycontrol.report.provenance import Provenance
@@ -80,7 +81,7 @@ def fit_files(
         "table.md": paper_table(study),
     }
     fly = fitted_fly(study, parameters)
-    stability = None if fly is None else _stability(fly, origin, progress)
+    stability = None if fly is None else _stability(fly, study, origin, progress)
     if stability is not None:
         files["stability.html"] = stability
     files["index.html"] = fit_page(study, origin, with_stability=stability is not None)
@@ -100,6 +101,7 @@ def fit_page(study: FitStudy, origin: FitProvenance, *, with_stability: bool) ->
         numbers={name: k for k, name in enumerate([f for f in FIGURES if f in figures], start=1)},
         rows=estimate_rows(study.result),
         own_rows=estimate_rows(study.result, of_the_loop=False),
+        tables=_table_numbers(study),
         level=f"{100 * study.result.level:g}",
         consequences=fit_tables.consequence_rows(study),
         trade_offs=[sentence(each.sentence) for each in study.trade_offs[:4]],
@@ -115,22 +117,45 @@ def fit_page(study: FitStudy, origin: FitProvenance, *, with_stability: bool) ->
     )
 
 
+def _table_numbers(study: FitStudy) -> dict[str, int]:
+    """Numbers of the tables that are there."""
+    there = {
+        "estimates": True, "consequences": bool(fit_tables.consequence_rows(study)),
+        "controllers": study.comparison is not None, "effects": study.flies is not None and bool(study.flies.effects),
+        "predictions": study.single is not None and bool(study.predictions),
+    }  # fmt: skip
+    return {name: k for k, name in enumerate([name for name, is_there in there.items() if is_there], start=1)}
+
+
 def fitted_fly(study: FitStudy, parameters: Parameters) -> Parameters | None:
     """The parameters of the fitted fly; None where flies differ in them, or the controller is not P or PD."""
     result = study.result
-    if result.controller not in ("P", "PD") or not _is_one_loop(result):
+    if result.controller not in ("P", "PD") or not result.usable or not _is_one_loop(result):
         return None
     inertia = parameters.inertia.value
     fitted = {field: _sourced(result, kind) for field, kind in _FITTED.items()}
     damping = _sourced(result, "damping")
-    fitted["damping"] = Sourced(
-        value=damping.value * inertia, unit="N m s", note=f"β/I = {damping.text} {damping.note}"
+    fitted["damping"] = replace(
+        damping, value=damping.value * inertia, unit="N m s", text="", note=f"β/I = {damping.text}, {damping.note}"
     )
+    gamma = _fitted_paddling(result, inertia)
+    if gamma is not None:
+        fitted["paddling_gain"] = gamma
     pulses = [r.trial.perturbation for r in study.recordings if isinstance(r.trial.perturbation, Pulse)]
     if pulses:
-        fitted["pulse_duration"] = Sourced(value=pulses[0].duration, unit="s", note="of the recordings")
-    name = f"fly fitted to {len(study.recordings)} recordings"
-    return replace(parameters, name=name, defaulted=(), file="", sha256="", **fitted)
+        length = pulses[0].duration
+        fitted["pulse_duration"] = Sourced(value=length, unit="s", certainty="fixed", note="of the recordings")
+    name = f"fly fitted to {counted(len(study.recordings), 'recording')}"
+    return replace(parameters, name=name, **fitted)
+
+
+def _fitted_paddling(result: FitResult, inertia: float) -> Sourced | None:
+    """gamma from gamma/I, where all recordings share one that was estimated or fixed."""
+    if "paddling_gain" not in (*result.problem.names, *result.problem.model.known):
+        return None
+    ratio = _sourced(result, "paddling_gain")
+    note = f"γ/I = {ratio.text}, {ratio.note}"
+    return replace(ratio, value=ratio.value * inertia, unit="N m/rad", text="", note=note)
 
 
 def _is_one_loop(result: FitResult) -> bool:
@@ -143,19 +168,19 @@ def _is_one_loop(result: FitResult) -> bool:
 
 def _sourced(result: FitResult, kind: str) -> Sourced:
     _, _, unit, size = KINDS[kind]
-    si = {"kp": "1/s^2", "kd": "1/s", "delay": "s", "damping": "1/s"}[kind]
+    si = {"kp": "1/s^2", "kd": "1/s", "delay": "s", "damping": "1/s", "paddling_gain": "1/s^2"}[kind]
     found: Mapping[str, Estimate] = {e.name: e for e in result.estimates}
     if kind not in found:
         value = result.value(kind)
-        return Sourced(value=value, unit=si, text=f"{value / size:.6g} {unit}", note="fixed in the fit")
+        return Sourced(value=value, unit=si, text=f"{value / size:.6g} {unit}", certainty="fixed", note="fixed")
     e = found[kind]
     digits = digits_for(e.standard_error / size, e.value / size)
     ends = f"{fixed(e.low / size, digits)} to {fixed(e.high / size, digits, unit)}"
-    note = f"fitted, {100 * result.level:g} % interval {ends}"
-    return Sourced(value=e.value, unit=si, text=f"{fixed(e.value / size, digits)} {unit}", note=note)
+    note = f"{100 * result.level:g} % interval {ends}"
+    return Sourced(value=e.value, unit=si, certainty="fit", text=f"{fixed(e.value / size, digits)} {unit}", note=note)
 
 
-def _stability(fly: Parameters, origin: FitProvenance, progress: Progress) -> str | None:
+def _stability(fly: Parameters, study: FitStudy, origin: FitProvenance, progress: Progress) -> str | None:
     """The stability report of the fitted fly; None where its loop cannot be studied."""
     try:
         found = stability_study(
@@ -165,12 +190,12 @@ def _stability(fly: Parameters, origin: FitProvenance, progress: Progress) -> st
         return None
     provenance = Provenance(
         command=origin.command,
-        parameter_file="the estimates of index.html beside this page",
-        parameter_sha256="",
-        defaulted=(),
-        recording=None,
+        parameter_file=f"the estimates of index.html beside this page; for the rest {fly.file}",
+        parameter_sha256=fly.sha256,
+        defaulted=fly.defaulted,
+        recording=f"{counted(len(study.recordings), 'recording')}, names and SHA-256 in result.json",
         recording_sha256=None,
         versions=origin.versions,
         seed=str(origin.seed),
     )
-    return stability_page(found, fly, provenance)
+    return stability_page(found, fly, provenance, fitted=fitted_from(study))

@@ -14,9 +14,15 @@ from flycontrol.identify.gains.result import Estimate
 from flycontrol.identify.gains.study import FitStudy
 from flycontrol.report.fit_surroundings import surroundings
 from flycontrol.report.fit_words import owner
+from flycontrol.report.result import FIELDS as STABILITY_FIELDS
 from flycontrol.report.result import finite
 from flycontrol.units import deg
 
+#: Fields of a stability report's result.json that a fit has of its loop, under `stability`.
+_OF_THE_LOOP = (
+    *("margins.", "modes", "recovery.recovery_time_ms", "recovery.pulse_duration_ms"),
+    *("recovery.peak_deg", "recovery.tolerance_deg"),
+)
 FIELDS: dict[str, str] = {
     "status": "how far the fit can be trusted, in a sentence",
     "converged": "whether the search ended at a minimum",
@@ -31,7 +37,7 @@ FIELDS: dict[str, str] = {
     "estimates[].kind": "parameter: kp = K_P/I, kd = K_D/I, ki = K_I/I, damping = beta/I, paddling_gain = gamma/I, ...",
     "estimates[].owner": "fly or recording; empty: all share it",
     "estimates[].unit": "of value, low, high, standard_error and bias",
-    "estimates[].value": "corrected for the bias that the model's curvature causes",
+    "estimates[].value": "corrected for the bias that the model's curvature causes; null: no limit was ever reached",
     "estimates[].low": "low end of the interval; null: open",
     "estimates[].high": "high end of the interval; null: open",
     "estimates[].standard_error": "null: the data do not determine it, or it lies at a bound",
@@ -97,6 +103,7 @@ FIELDS: dict[str, str] = {
     "predictions[].error_deg": "root mean square of measured less predicted yaw",
     "predictions[].noise_deg": "standard deviation of its noise",
     "predictions[].in_noise": "error over noise, both one sample ahead; 1 is perfect",
+    **{f"stability.{name}": words for name, words in STABILITY_FIELDS.items() if name.startswith(_OF_THE_LOOP)},
     "consequences.draws": "loops drawn from the estimates' distribution",
     "consequences.unstable_share": "of them",
     "consequences.gain_margin.low": "gain margin: of its interval at `level`",

@@ -14,7 +14,9 @@ from flycontrol.identify.gains.recovery_band import RecoveryAgainstStrength
 from flycontrol.identify.gains.ridge import Ridge
 from flycontrol.identify.gains.selection import ControllerComparison
 from flycontrol.identify.gains.study import FitStudy, Group
+from flycontrol.model.stability import StabilityResult
 from flycontrol.report.fit_tables import group_sentences
+from flycontrol.report.result import margin_fields, mode_fields
 from flycontrol.units import deg, ms
 
 
@@ -32,6 +34,7 @@ def surroundings(study: FitStudy) -> dict[str, Any]:
             {"trial": p.trial, "error_deg": p.error / deg, "noise_deg": p.noise / deg, "in_noise": p.in_noise}
             for p in study.predictions
         ],
+        "stability": None if study.stability is None else _stability(study.stability),
         "consequences": None if study.consequences is None else _consequences(study.consequences, study.result.level),
         "recovery": None if study.recovery is None else _recovery(study.recovery),
     }
@@ -116,6 +119,21 @@ def _consequences(found: Consequences, level: float) -> dict[str, Any]:
         "draws": len(found.loops),
         "unstable_share": found.unstable,
         **{name: {"low": low, "high": high} for name, (low, high) in intervals.items()},
+    }
+
+
+def _stability(found: StabilityResult) -> dict[str, Any]:
+    seconds = found.recovery_time
+    return {
+        "margins": margin_fields(found),
+        "modes": mode_fields(found),
+        "modes_status": found.poles_status,
+        "recovery": {
+            "recovery_time_ms": None if seconds is None else seconds / ms,
+            "pulse_duration_ms": found.task.duration / ms,
+            "peak_deg": found.task.peak / deg,
+            "tolerance_deg": found.task.tolerance / deg,
+        },
     }
 
 

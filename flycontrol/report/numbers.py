@@ -22,6 +22,11 @@ def fixed(value: float | None, digits: int = 1, unit: str = "") -> str:
     return text.replace("-", "−") + (f"\N{NO-BREAK SPACE}{unit}" if unit else "")
 
 
+def counted(count: int, noun: str, plural: str = "") -> str:
+    """Write how many: 1 recording, 4 recordings, 2 flies."""
+    return f"{count} {noun if count == 1 else plural or noun + 's'}"
+
+
 def significant(value: float | None, digits: int = 3, unit: str = "") -> str:
     """Write with so many significant digits, powers of ten as 3.06×10⁻¹³."""
     if value is None or not math.isfinite(value):

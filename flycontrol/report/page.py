@@ -14,6 +14,7 @@ from flycontrol.model.references import Reference, cite, references
 from flycontrol.model.study import StabilityStudy, study
 from flycontrol.report import tables
 from flycontrol.report.chain import loop_chain
+from flycontrol.report.fitted import FittedFrom
 from flycontrol.report.flight import FlightPart, flight_part
 from flycontrol.report.nominal import dampings, pulse_task, yaw_loop
 from flycontrol.report.page_figures import page_figures
@@ -26,6 +27,7 @@ _FIGURES = (
     "diagram", "bode", "nyquist", "budget", "gain-locus", "delay-locus", "chart", "recoveries", "strength", "damping",
     "flight-wings", "flight-turning", "flight-angles",
 )  # fmt: skip
+_OF_A_FIT = ("fit", "fixed")  #: certainties
 _FIXED_TABLES = 6  #: tables before those on a flight
 
 
@@ -73,11 +75,16 @@ def write_report(
 
 
 def page(
-    found: StabilityStudy, parameters: Parameters, origin: Provenance, analysis: FlightAnalysis | None = None
+    found: StabilityStudy,
+    parameters: Parameters,
+    origin: Provenance,
+    analysis: FlightAnalysis | None = None,
+    fitted: FittedFrom | None = None,
 ) -> str:
-    """Render the whole report as one self-contained HTML page."""
+    """Render the whole report as one self-contained HTML page; `fitted` if the fly's numbers come from a fit."""
     frequency = parameters.wingbeat_frequency.value
-    chain = loop_chain(found.result.loop, frequency)
+    gamma = parameters.paddling_gain
+    chain = loop_chain(found.result.loop, frequency, None if gamma is None else gamma.value)
     flight = None if analysis is None else flight_part(analysis)
     figures = page_figures(found, chain, frequency) | ({} if flight is None else flight.figures)
     parameter_rows = tables.parameter_rows(parameters)
@@ -96,7 +103,8 @@ def page(
         links=tables.link_rows(chain),
         parameter_rows=parameter_rows,
         derived_rows=tables.derived_rows(found, parameters, chain),
-        certainties=CERTAINTIES,
+        certainties=_certainties(parameter_rows),
+        fitted=fitted,
         mode_rows=tables.mode_rows(found),
         damping_rows=tables.damping_rows(found),
         pade_rows=tables.pade_rows(found),
@@ -109,6 +117,12 @@ def page(
         references=cited,
         flight=flight,
     )
+
+
+def _certainties(rows: list[tables.ParameterRow]) -> dict[str, str]:
+    """Legend of the certainties: those of files always, those of a fit where they occur."""
+    found = {row.certainty for row in rows}
+    return {key: words for key, words in CERTAINTIES.items() if key not in _OF_A_FIT or key in found}
 
 
 def _references(rows: list[tables.ParameterRow], flight: FlightPart | None) -> list[Reference]:

@@ -16,6 +16,7 @@ from flycontrol.delay.system import ComplexArray
 from flycontrol.identify.flight import FlightAnalysis
 from flycontrol.model.gains import ChosenGains
 from flycontrol.model.parameters import Parameters
+from flycontrol.model.stability import StabilityResult
 from flycontrol.model.study import StabilityStudy
 from flycontrol.report.chart_result import chart_fields
 from flycontrol.report.flight_result import FLIGHT_FIELDS, flight_fields
@@ -128,8 +129,8 @@ def result_json(
         "reason": study.result.reason,
         "parameters": {name: _parameter(number) for name, number in parameters.sourced().items()},
         "loop": _loop(study, parameters),
-        "margins": _margins(study),
-        "modes": _modes(study),
+        "margins": margin_fields(study.result),
+        "modes": mode_fields(study.result),
         "modes_status": study.result.poles_status,
         "chart": chart_fields(study),
         "recovery": _recovery(study, parameters),
@@ -181,8 +182,9 @@ def _loop(study: StabilityStudy, parameters: Parameters) -> dict[str, float]:
     }
 
 
-def _margins(study: StabilityStudy) -> dict[str, Any] | None:
-    margins = study.result.margins
+def margin_fields(result: StabilityResult) -> dict[str, Any] | None:
+    """Margins of a loop; None if it is unstable."""
+    margins = result.margins
     if margins is None:
         return None
     return {
@@ -190,7 +192,7 @@ def _margins(study: StabilityStudy) -> dict[str, Any] | None:
         "gain_reduction_margin": margins.gain_reduction_margin,
         "phase_margin_deg": margins.phase_margin / deg,
         "delay_margin_ms": margins.delay_margin / ms,
-        "largest_stable_delay_ms": (study.result.loop.delay + margins.delay_margin) / ms,
+        "largest_stable_delay_ms": (result.loop.delay + margins.delay_margin) / ms,
         "modulus_margin": margins.modulus_margin,
         "modulus_frequency_rad_per_s": margins.modulus_frequency,
         "gain_crossovers_rad_per_s": _list(margins.gain_crossovers),
@@ -199,8 +201,8 @@ def _margins(study: StabilityStudy) -> dict[str, Any] | None:
     }
 
 
-def _modes(study: StabilityStudy) -> list[dict[str, float]]:
-    result = study.result
+def mode_fields(result: StabilityResult) -> list[dict[str, float]]:
+    """Modes, slowest first; a pair counts as one."""
     errors = [float(e) for root, e in zip(result.poles, result.pole_errors, strict=True) if root.imag >= 0]
     return [
         {

@@ -26,6 +26,7 @@ _NAMES: dict[str, tuple[str, str]] = {
     "pulse_peak": ("peak deflection of the nominal pulse", "ψ<sub>max</sub>"),
     "tolerance": ("half width of the recovery band", ""),
     "deadline": ("recovery time that is held against", ""),
+    "paddling_gain": ("paddling torque by paddling angle", "γ"),
     "damping_low": ("low end of the damping range", "β/<i>I</i>"),
     "damping_high": ("high end of the damping range", "β/<i>I</i>"),
 }
@@ -39,6 +40,7 @@ class ParameterRow:
     symbol: str  #: HTML of this module's own making
     value: str
     source: str = ""
+    giver: str = "user"  #: who gave it, where there is no source
     certainty: str = ""
     note: str = ""
 
@@ -96,6 +98,7 @@ def _sourced(words: str, symbol: str, number: Sourced) -> ParameterRow:
         symbol=symbol,
         value=typeset(number.text) or significant(number.value, 6, number.unit),
         source=number.source,
+        giver={"fit": "this fit", "fixed": "this fit"}.get(number.certainty, "user"),
         certainty=number.certainty,
         note=typeset(number.note),
     )
@@ -112,11 +115,10 @@ def derived_rows(study: StabilityStudy, parameters: Parameters, chain: LoopChain
         ("reaction delay", "<i>T f</i>", fixed(parameters.delay_in_wingbeats, 2, "wingbeats")),
         ("torque of the nominal pulse", "<i>N</i><sub>ext</sub>", significant(torque, 3, "N m")),
         ("mean angular speed of the wings", "ω = 2 Φ <i>f</i>", fixed(chain.omega, 0, "rad/s")),
-        (
-            "paddling torque an angle", "γ = β ω <i>C</i>′<sub>D</sub>/2<i>C</i><sub>D</sub>",
-            significant(chain.gamma, 3, "N m/rad"),
-        ),
     ]  # fmt: skip
+    if parameters.paddling_gain is None:
+        by_drag = "γ = β ω <i>C</i>′<sub>D</sub>/2<i>C</i><sub>D</sub>"
+        rows.append(("paddling torque by paddling angle", by_drag, significant(chain.gamma, 3, "N m/rad")))
     return [ParameterRow(words=words, symbol=symbol, value=value) for words, symbol, value in rows]
 
 

@@ -53,6 +53,12 @@ def stable(parameters):
 
 
 @pytest.fixture(scope="session")
+def studied():
+    """From a fly's parameters to a study of it."""
+    return quick_study
+
+
+@pytest.fixture(scope="session")
 def unstable(unstable_parameters):
     return quick_study(unstable_parameters)
 

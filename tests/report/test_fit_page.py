@@ -12,9 +12,13 @@ from flycontrol.identify.gains.model import gain_model
 from flycontrol.identify.gains.ridge import ridge
 from flycontrol.identify.gains.study import FitOptions, fit_study
 from flycontrol.identify.gains.synthetic import synthetic_experiment
-from flycontrol.report.fit_page import FIGURES, fit_page, fit_provenance
+from flycontrol.report.fit_figures import fit_figures
+from flycontrol.report.fit_page import FIGURES, fit_page, fit_provenance, fitted_fly
 from flycontrol.report.fit_result import COLUMNS, FIELDS, estimates_csv, fit_result_json
 from flycontrol.report.fit_words import digits_for, paper_table
+from flycontrol.report.fitted import fitted_from
+from flycontrol.report.page import page
+from flycontrol.report.provenance import provenance
 
 _VARYING = r"^(fixed|provenance\.versions|recordings_alone|flies\.fits\[\]\.(?:values|standard_errors))\..+$"
 
@@ -65,6 +69,57 @@ def test_the_page_is_well_formed_and_says_no_nan(study, origin):
     assert {f"figure-{name}" for name in FIGURES} <= set(outline.ids)
     assert not re.search(r"\b(nan|inf|None)\b", outline.text)
     assert "http" not in re.sub(r'xmlns="[^"]*"', "", page)
+
+
+def test_the_fitted_flys_report_has_the_fits_numbers_sources_status_and_intervals(study, parameters, studied):
+    fly = fitted_fly(study, parameters)
+    gamma = study.result["paddling_gain"].value * fly.inertia.value
+    assert fly.paddling_gain.value == pytest.approx(gamma)
+    given = {name: each.certainty for name, each in fly.sourced().items() if each.certainty in ("user", "fit")}
+    assert given == dict.fromkeys(("proportional_gain", "derivative_gain", "delay", "damping", "paddling_gain"), "fit")
+    origin = provenance(fly, "flycontrol fit", None)
+    text = Outline(page(studied(fly), fly, origin, fitted=fitted_from(study))).text
+    assert f"The fit: {study.result.status[:30]}" in text
+    assert "95 % interval" in text.split("Gain margin")[1].split("Phase margin")[0]
+    assert "fitted to the recordings" in text
+    assert "this fit" in text.split("Every parameter, with its source")[1].split("Certainty:")[0]
+    assert "β ω" not in text  # gamma was measured
+
+
+def test_numbers_of_the_stability_report_stand_unrounded_in_the_fits_result(study, origin):
+    found = read_json(fit_result_json(study, origin))["stability"]
+    loop = study.result.loop()
+    assert found["margins"]["delay_margin_ms"] == pytest.approx(loop.margins().delay_margin * 1e3, rel=1e-9)
+    assert found["modes"][0]["real_per_s"] == pytest.approx(loop.poles(1)[0].real, rel=1e-9)
+
+
+@pytest.fixture(scope="module")
+def unmoved():
+    """A fit that says nothing, since nothing perturbed the fly."""
+    trial = replace(synthetic_experiment(0, 1).trials[2], perturbation=None, paddling=None)
+    trial = replace(trial, time=trial.time[::8], yaw=trial.yaw[::8], rate=trial.rate / 8)
+    model = gain_model(fixed={"initial_yaw": 0.0, "initial_rate": 0.0, "damping": 69.0})
+    return fit_study([trial], model, FitOptions(bootstrap=20, compare=False))
+
+
+def test_nothing_is_drawn_of_a_loop_that_the_data_say_nothing_of(unmoved, parameters):
+    text = Outline(fit_page(unmoved, fit_provenance(unmoved, "flycontrol fit"), with_stability=False)).text
+    figures = fit_figures(unmoved)
+    assert unmoved.result.status.startswith("not identifiable: no perturbation is known")
+    assert "cloud" not in figures
+    assert "shaded" not in figures["recordings"].caption
+    assert "No data were drawn anew, since the fit says nothing of the loop." in text
+    assert (unmoved.stability, unmoved.consequences, unmoved.bootstrap) == (None, None, None)
+    assert fitted_fly(unmoved, parameters) is None
+    for line in paper_table(unmoved).splitlines()[2:5]:
+        assert line.split(" | ")[4] == "—"
+
+
+def test_tables_are_numbered_without_a_gap(study, unmoved):
+    for each in (study, unmoved):
+        text = Outline(fit_page(each, fit_provenance(each, "flycontrol fit"), with_stability=False)).text
+        numbers = [int(n) for n in re.findall(r"Table (\d+)\.", text)]
+        assert numbers == list(range(1, len(numbers) + 1))
 
 
 def test_the_table_to_paste_holds_every_shared_estimate_with_its_unit(study):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import partial
 from typing import Any, cast
 
@@ -34,7 +34,7 @@ from flycontrol.jobs.work import Work
 from flycontrol.model.gain_plane import GainPlane, gain_plane
 from flycontrol.model.gains import PulseTask
 from flycontrol.model.stability import StabilityResult, assess
-from flycontrol.model.trial import Trial
+from flycontrol.model.trial import Pulse, Trial
 from flycontrol.units import deg, ms
 
 _NOMINAL = PulseTask(duration=4.5 * ms, peak=20 * deg, tolerance=2 * deg)
@@ -158,14 +158,14 @@ class _Study:
             stability=self._stability(result),
             consequences=self._consequences(result),
             plane=self._plane(result),
-            trade_offs=trade_offs(result) if result.converged else (),
+            trade_offs=() if result.found_nothing else trade_offs(result),
             ridge=self._ridge(result),
             seed=options.seed,
             absent=self.absent,
         )
 
     def _profiles(self, result: FitResult) -> dict[str, Profile]:
-        names = [e.name for e in result.estimates if e.name == e.kind]
+        names = [e.name for e in result.estimates if e.name == e.kind and np.isfinite(e.value)]
         if not result.converged or len(result.uncertainty.unidentifiable):
             self.absent["profiles"] = f"No profiles are drawn, since the fit is {result.status}"
             return {}
@@ -193,7 +193,7 @@ class _Study:
 
     def _comparison(self, result: FitResult) -> ControllerComparison | None:
         if not self.options.compare:
-            self.absent["comparison"] = "P, PD, PI and PID were not compared; --compare does it, in minutes for many."
+            self.absent["comparison"] = "P, PD, PI and PID were not compared; --compare asks for it."
         if not (self.options.compare and result.converged and self.pooled):
             return None
         validation = Validation() if len(self.trials) == 1 else None  # several: recordings left out say it already
@@ -207,7 +207,10 @@ class _Study:
 
     def _bootstrap(self, result: FitResult) -> Bootstrap | None:
         options = self.options
-        if options.bootstrap < 2 or not result.converged:
+        if options.bootstrap < 2:
+            return None
+        if result.found_nothing or not result.converged:
+            self.absent["bootstrap"] = "No data were drawn anew, since the fit says nothing of the loop."
             return None
         identity = f"{self.identity} {options.resampling}"
         return bootstrap(
@@ -216,7 +219,11 @@ class _Study:
         )  # fmt: skip
 
     def _recovery(self, result: FitResult) -> RecoveryAgainstStrength | None:
-        if not result.converged:
+        if not result.usable:
+            if any(trial.perturbation is not None for trial in self.trials):
+                self.absent["recovery"] = (
+                    "Measured recovery times are not set beside a prediction, since the estimates cannot be used."
+                )
             return None
         try:
             return recovery_against_strength(result, seed=self.options.seed, level=result.level)
@@ -233,7 +240,7 @@ class _Study:
         if not self._has_one_loop(result):
             return None
         try:
-            return assess(result.loop(), self.options.task)
+            return assess(result.loop(), self._task())
         except FlycontrolError as error:
             self.absent["stability"] = str(error)
             return None
@@ -242,7 +249,7 @@ class _Study:
         if not self._has_one_loop(result):
             return None
         try:
-            return consequences(result, self.options.task, _DRAWS, seed=self.options.seed)
+            return consequences(result, self._task(), _DRAWS, seed=self.options.seed)
         except FlycontrolError as error:
             self.absent["consequences"] = str(error)
             return None
@@ -260,7 +267,16 @@ class _Study:
         return ridge(result.weighted, result.minimum, (one, other), labour=self.stages.labour("ridge", self.identity))
 
     def _has_one_loop(self, result: FitResult) -> bool:
-        return self.pooled and result.converged
+        if self.pooled and not result.usable:
+            self.absent["stability"] = (
+                "What these gains mean for margins, modes and recovery is left out, since the estimates cannot be used."
+            )
+        return self.pooled and result.usable
+
+    def _task(self) -> PulseTask:
+        """The nominal recovery, from pulses as long as those of the recordings."""
+        pulse = next((trial.perturbation for trial in self.trials if isinstance(trial.perturbation, Pulse)), None)
+        return self.options.task if pulse is None else replace(self.options.task, duration=pulse.duration)
 
     def _plane(self, result: FitResult) -> GainPlane | None:
         if not (self.pooled and result.controller in ("P", "PD") and np.isfinite(result.value("kp"))):

@@ -44,6 +44,7 @@ def residuals(recordings: Sequence[RecordingFit]) -> Figure:
 def _correlations(ax: Axes, recordings: Sequence[RecordingFit], kind: str) -> None:
     step = float(np.median([1 / r.trial.rate for r in recordings]))
     found = np.array([autocorrelation(getattr(r.yaw, kind), r.yaw.firsts) for r in recordings])
+    found = found[:, ~np.isnan(found).all(axis=0)]  # no stretch is as long as the longest lags
     lags = np.arange(found.shape[1]) * step / ms
     width = 1.96 / np.sqrt(np.median([len(r.yaw.time) for r in recordings]))
     ax.axhspan(-width, width, color=BAND, linewidth=0, zorder=0)
