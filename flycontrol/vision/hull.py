@@ -157,13 +157,7 @@ def footprint(indices: IndexArray, size: float, camera: Camera) -> BoolArray:
 
 def _marks(indices: IndexArray, size: float, camera: Camera) -> NDArray[np.uint8]:
     image = np.zeros(camera.shape, dtype=np.uint8)
-    if len(indices):
-        P = lattice_matrix(camera, size)
-        place = indices[:: 1 + len(indices) // 1000].mean(axis=0)  # the scale differs little over an animal
-        w = float(P[2, :3] @ place + P[2, 3])
-        middle = (P[:2, :3] @ place + P[:2, 3]) / w
-        half_u, half_v = 0.5 * np.abs(P[:2, :3] - np.outer(middle, P[2, :3])).sum(axis=1) / w
-        paint(P, indices, half_u, half_v, image)
+    paint(lattice_matrix(camera, size), indices, image)
     return image
 
 

@@ -12,8 +12,10 @@ _FAR = 1 << 20
 
 
 @numba.njit(cache=True)
-def paint(P, indices, half_u, half_v, image):
-    """Mark the pixels whose centres lie within half_u, half_v [px] of a projected voxel, and the nearest one.
+def paint(P, indices, image):
+    """Mark the pixels whose centres lie in the rectangle around a projected voxel, and the nearest one.
+
+    Half its width is the sum over a = x, y, z of |du/da| / 2 = |p0a - u p2a| / 2 w.
 
     Parameters
     ----------
@@ -32,6 +34,8 @@ def paint(P, indices, half_u, half_v, image):
         v = (p10 * x + p11 * y + p12 * z + p13) / w
         if not (w > 0.0 and -_FAR / 2 < u < _FAR / 2 and -_FAR / 2 < v < _FAR / 2):
             continue
+        half_u = 0.5 * (abs(p00 - u * p20) + abs(p01 - u * p21) + abs(p02 - u * p22)) / w
+        half_v = 0.5 * (abs(p10 - v * p20) + abs(p11 - v * p21) + abs(p12 - v * p22)) / w
         near_u, near_v = int(u + (_FAR + 0.5)) - _FAR, int(v + (_FAR + 0.5)) - _FAR
         j0, j1 = min(int(u - half_u + _FAR) - _FAR + 1, near_u), max(int(u + half_u + _FAR) - _FAR, near_u)
         i0, i1 = min(int(v - half_v + _FAR) - _FAR + 1, near_v), max(int(v + half_v + _FAR) - _FAR, near_v)
