@@ -34,6 +34,7 @@ reports: report
 	$(BIN)/python analyses/does_hover_hold.py
 	$(BIN)/python analyses/flutter_or_tumble.py
 	$(BIN)/python analyses/turn_angle_from_paddling.py
+	$(BIN)/python analyses/recovery_at_two_levels.py
 	[ ! -d $(DATA)/robofly_polars ] || $(BIN)/python analyses/wings_against_nature.py
 	[ ! -d $(DATA)/muijres_freeflight ] || $(BIN)/python analyses/hinge_as_a_spring.py
 	if [ -n "$(FLIGHTS)" ]; then for note in $(REPLAYS); do $(BIN)/python analyses/$$note.py || exit 1; done; fi
