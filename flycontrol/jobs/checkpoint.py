@@ -5,8 +5,6 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import json
-import os
-import sys
 from collections.abc import Generator
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -14,6 +12,7 @@ from pathlib import Path
 
 from flycontrol.errors import InvalidParameterError, OutputError
 from flycontrol.jobs.files import write_files_atomically
+from flycontrol.jobs.folder_lock import locked_folder
 from flycontrol.jobs.work import Work
 
 _JOB = "job.json"
@@ -100,7 +99,7 @@ def opened(checkpoint: Checkpoint, work: Work) -> Generator[ChunkFiles]:
     """
     job = _description(checkpoint, work)
     folder = checkpoint.folder
-    with _locked(folder):
+    with locked_folder(folder):
         _require_same_job(folder, job)
         for torn in (*folder.glob(".chunk-*.part"), *folder.glob(f".{_JOB}.*.part")):  # of a process killed in a write
             torn.unlink(missing_ok=True)
@@ -140,29 +139,3 @@ def _require_same_job(folder: Path, job: dict[str, object]) -> None:
 
 def _way_out(folder: Path) -> str:
     return f"choose another folder, or remove {folder} to start afresh."
-
-
-@contextlib.contextmanager
-def _locked(folder: Path) -> Generator[None]:
-    """Make the folder and keep other processes out; the lock opens when this process ends, however it ends."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"{folder} cannot be created for chunks ({error.strerror or error}).") from error
-    if sys.platform == "win32":  # has no locks on folders
-        yield
-        return
-    import fcntl
-
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            sentence = f"{folder} is in use by another process; wait for it or choose another folder."
-            raise OutputError(sentence) from None
-        except OSError:  # a file system without locks: two jobs at once would write the same bytes twice
-            pass
-        yield
-    finally:
-        os.close(descriptor)

@@ -174,7 +174,7 @@ def test_what_a_killed_process_was_writing_is_removed(work, checkpoint):
 
 def test_a_folder_that_cannot_be_made_is_one_sentence(work, tmp_path):
     (tmp_path / "file").touch()
-    with pytest.raises(OutputError, match="cannot be created for chunks"):
+    with pytest.raises(OutputError, match="cannot be created for unfinished work"):
         seeded_map(work, 1, Checkpoint(tmp_path / "file" / "chunks", "x"))
 
 

@@ -1,0 +1,177 @@
+"""`flycontrol validate`: every analysis run, and each claim of the review beside what they find, on one page."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Generator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from flycontrol.cli.terminal import WorkInterruptedError, progress_bar, say
+from flycontrol.errors import InvalidInputError
+
+if TYPE_CHECKING:
+    from flycontrol.io.analyses import Analyses, Analysis
+    from flycontrol.jobs.scripts import Script, ScriptEnd
+    from flycontrol.report.validation import Finding
+
+INCOMPLETE = 1
+_KINDS = {"note": ".md", "figure": ".svg", "numbers": ".json"}
+
+
+def validate(
+    out: Annotated[
+        Path, typer.Option(metavar="DIR", help="Folder for index.html, result.json and the analyses' own reports.")
+    ] = Path("reports/validation"),
+    analyses: Annotated[
+        Path, typer.Option(metavar="DIR", help="Folder of the analyses, one Python file a question.")
+    ] = Path("analyses"),
+    data: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR", envvar="FLYCONTROL_DATA", help="Real measurements; left out: where validation.toml says."
+        ),
+    ] = None,
+    reports: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Folder for the analyses' own reports, if not that of --out.")
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, metavar="NUMBER", help="Analyses at a time; left out: one on every core.")
+    ] = None,
+) -> None:
+    """Run every analysis and put each claim of the review beside what it finds, those that fail too.
+
+    Finished analyses are kept: an interrupted run goes on, a repeated one runs only what has changed. Exit status 0:
+    all were run; 1: some could not be, and the page says why; 2: refused.
+
+    Example: flycontrol validate --out reports/validation
+    """
+    from flycontrol.io.analyses import read_analyses
+    from flycontrol.jobs.files import require_writable_folder
+    from flycontrol.jobs.processes import ProcessPool
+    from flycontrol.jobs.scripts import run_scripts
+
+    started = time.perf_counter()
+    if not str(out).strip() or str(out) == ".":
+        raise InvalidInputError("--out is empty; name a folder such as reports/validation.")
+    found = read_analyses(analyses)
+    measured = _data_folder(data, found)
+    own = out if reports is None else reports
+    for folder in (out, own):
+        require_writable_folder(folder)
+    scripts = _scripts(found, own, measured)
+    environment = {} if measured is None else {"FLYCONTROL_DATA": str(measured)}
+    kept = out / "kept"
+    with progress_bar() as progress, _kept_when_interrupted(kept):
+        ends = run_scripts(
+            scripts, kept, at_once=ProcessPool(workers).count, environment=environment, progress=progress
+        )
+    failures = _reported(found, ends, own, out, measured)
+    run = sum(not end.kept for end in ends)
+    say(
+        f"wrote {out / 'index.html'} and result.json from {len(ends)} analyses, {run} of them run now, in "
+        f"{time.perf_counter() - started:.1f} s"
+    )
+    for failure in failures:
+        say(failure)
+    if failures:
+        raise typer.Exit(INCOMPLETE)
+
+
+def _data_folder(asked: Path | None, found: Analyses) -> Path | None:
+    """Absolute, for processes that look from elsewhere; a folder that was asked for must be there."""
+    if asked is None:
+        return found.data
+    if not asked.is_dir():
+        raise InvalidInputError(
+            f"--data or FLYCONTROL_DATA: {asked} is no folder; name that of the real measurements, or leave it out."
+        )
+    return asked.resolve()
+
+
+def _scripts(found: Analyses, reports: Path, data: Path | None) -> list[Script]:
+    """The analyses as scripts, known by all that they depend on."""
+    import json
+
+    from flycontrol.jobs.digest import digest_of, files_below
+    from flycontrol.jobs.scripts import Script
+    from flycontrol.report.validation_provenance import validation_provenance
+
+    package = Path(__file__).resolve().parents[1]
+    common = {
+        "package": digest_of(files_below(package, besides=("__pycache__", "cli", "templates"))),
+        "data": "" if data is None else digest_of(files_below(data)),
+        "versions": validation_provenance("").versions,
+    }
+
+    def identity(analysis: Analysis) -> str:
+        sources = digest_of({path.name: path for path in analysis.sources})
+        return json.dumps(common | {"sources": sources}, sort_keys=True)
+
+    return [Script(a.path, reports / a.name, identity(a)) for a in found.analyses]
+
+
+def _reported(found: Analyses, ends: list[ScriptEnd], reports: Path, out: Path, data: Path | None) -> list[str]:
+    """Write page and result; return what went wrong, a sentence an analysis."""
+    from flycontrol.jobs.digest import digest_of, files_below
+    from flycontrol.report.validation import Validation
+    from flycontrol.report.validation_page import write_validation_report
+
+    measured = {} if data is None else files_below(data)
+    findings = [_finding(analysis, end, reports, out, data) for analysis, end in zip(found.analyses, ends, strict=True)]
+    validation = Validation(
+        findings=tuple(sorted(findings, key=lambda finding: finding.name)),
+        left_out=found.left_out,
+        data=tuple(sorted({name.partition("/")[0] for name in measured if "/" in name})),
+        data_sha256=digest_of(measured) if measured else "",
+    )
+    write_validation_report(validation, out, command="flycontrol validate")
+    return [f"{finding.name} could not be run: {finding.failure}" for finding in validation.failed]
+
+
+def _finding(analysis: Analysis, end: ScriptEnd, reports: Path, out: Path, data: Path | None) -> Finding:
+    """What an analysis states, or why it states nothing."""
+    from flycontrol.io.claims import read_claims
+    from flycontrol.report.validation import Finding
+
+    folder, claims = reports / analysis.name, ()
+    failure = _without_places(end.failure, data, analysis.path.parent)
+    links = {} if failure else _links(folder, analysis.name, out)
+    if not failure:
+        try:
+            claims = read_claims(folder / f"{analysis.name}.json") or ()
+        except InvalidInputError as error:
+            failure = str(error)
+    return Finding(name=analysis.name, question=analysis.question, claims=claims, links=links, failure=failure)
+
+
+def _links(folder: Path, name: str, out: Path) -> dict[str, str]:
+    """What an analysis wrote, by kind, as seen from the page."""
+    import os
+
+    paths = {kind: folder / f"{name}{ending}" for kind, ending in _KINDS.items()}
+    here = out.resolve()
+    return {
+        kind: Path(os.path.relpath(path.resolve(), here)).as_posix() for kind, path in paths.items() if path.is_file()
+    }
+
+
+def _without_places(failure: str, data: Path | None, folder: Path) -> str:
+    """A page names no machine and no user."""
+    if data is not None:
+        failure = failure.replace(str(data), "FLYCONTROL_DATA")
+    return failure.replace(str(folder.resolve()), folder.name)
+
+
+@contextmanager
+def _kept_when_interrupted(folder: Path) -> Generator[None]:
+    """Say what an interruption leaves."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise WorkInterruptedError(
+            f"finished analyses are kept, and noted in {folder}; the same command goes on from there."
+        ) from None

@@ -1,0 +1,141 @@
+"""`flycontrol validate` on tiny analyses made up here; the real ones are run by tests/systems."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+STATES = '''"""Is {name} so?"""
+import json, os, pathlib, sys, time
+with open({log!r}, "a") as log: log.write({name!r} + "\\n")
+{wait}
+claim = {{"claim": "{name} is so", "published": "1", "ours": os.environ.get("FLYCONTROL_DATA", "no data")[-8:],
+         "agreement": {agreement!r}, "where": "section 4, Fig. 5c"}}
+folder = pathlib.Path(sys.argv[1])
+(folder / "{name}.json").write_text(json.dumps({{"claims": [claim]}}))
+(folder / "{name}.md").write_text("# {name}")
+'''
+
+
+class Place:
+    """Analyses in a folder, and the command run beside it."""
+
+    def __init__(self, folder):
+        self.folder, self.log = folder, folder / "log"
+        (folder / "analyses").mkdir()
+
+    def analysis(self, name, agreement="agrees", wait=""):
+        text = STATES.format(name=name, agreement=agreement, wait=wait, log=str(self.log))
+        (self.folder / "analyses" / f"{name}.py").write_text(text)
+
+    def start(self, *options):
+        paths = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
+        environment = {key: value for key, value in os.environ.items() if key != "FLYCONTROL_DATA"}
+        return subprocess.Popen(
+            [sys.executable, "-m", "flycontrol", "validate", *map(str, options)], cwd=self.folder, text=True,
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment | {"PYTHONPATH": paths},
+        )  # fmt: skip
+
+    def run(self, *options):
+        process = self.start(*options)
+        _, said = process.communicate(timeout=120)
+        return process.returncode, said
+
+    @property
+    def runs(self):
+        return sorted(self.log.read_text().split()) if self.log.exists() else []
+
+
+@pytest.fixture
+def place(tmp_path):
+    return Place(tmp_path)
+
+
+def test_every_claim_stands_on_the_page_and_in_the_result_and_a_second_run_runs_nothing(place):
+    place.analysis("one")
+    place.analysis("two", "fails: by far")
+    (place.folder / "measured" / "flights").mkdir(parents=True)
+    (place.folder / "measured" / "flights" / "a.txt").write_text("1")
+    for _ in range(2):
+        status, said = place.run("--out", "page", "--data", "measured", "--reports", "own")
+        assert status == 0, said
+    assert place.runs == ["one", "two"]
+    assert "0 of them run now" in said
+    found = json.loads((place.folder / "page" / "result.json").read_text())
+    rows = {row["analysis"]: row for row in found["claims"]}
+    assert {name: row["verdict"] for name, row in rows.items()} == {"one": "agrees", "two": "fails"}
+    assert rows["one"]["ours"] == "measured"
+    assert found["data"]["folders"] == ["flights"]
+    assert found["analyses"][0]["question"] == "Is one so?"
+    for row in found["claims"]:
+        assert (place.folder / "page" / row["link"]).resolve() == place.folder / "own" / row["analysis"] / (
+            f"{row['analysis']}.md"
+        )
+        assert row["link"] in (place.folder / "page" / "index.html").read_text()
+    (place.folder / "measured" / "flights" / "a.txt").write_text("2")  # other data: other findings
+    place.run("--out", "page", "--data", "measured", "--reports", "own", "--workers", "1")
+    assert place.runs == ["one", "one", "two", "two"]
+
+
+def test_an_analysis_that_fails_has_its_row_and_ends_the_command_with_status_1(place):
+    place.analysis("good")
+    place.analysis("vague", "it depends")
+    (place.folder / "analyses" / "lost.py").write_text('raise SystemExit("The data are not there.")')
+    status, said = place.run("--out", "page")
+    assert status == 1
+    assert "lost could not be run: The data are not there." in said
+    assert "vague could not be run: vague.json, claim 1: agreement begins with one of" in said
+    page = (place.folder / "page" / "index.html").read_text()
+    assert "<b>could not be run:</b> The data are not there." in page
+    assert "Real measurements were not there" in page
+    assert "good is so" in page
+    (place.folder / "analyses" / "lost.py").unlink()
+    place.analysis("vague", "roughly")
+    assert place.run("--out", "page")[0] == 0
+    assert place.runs == ["good", "vague", "vague"]
+
+
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
+def test_an_interrupted_run_keeps_what_is_finished_and_goes_on(place, how):
+    gate = place.folder / "gate"
+    place.analysis("first")
+    place.analysis("second", wait=f"while not os.path.exists({str(gate)!r}): time.sleep(0.02)")
+    process, deadline = place.start("--out", "page", "--workers", "1"), time.monotonic() + 60
+    while place.runs != ["first", "second"]:
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+    process.send_signal(how)
+    _, said = process.communicate(timeout=60)
+    if how == signal.SIGINT:
+        assert process.returncode == 130
+        assert "finished analyses are kept" in said
+        assert "Traceback" not in said
+    assert not (place.folder / "page" / "index.html").exists()
+    gate.touch()
+    status, said = place.run("--out", "page", "--workers", "1")
+    assert status == 0
+    assert "from 2 analyses, 1 of them run now" in said
+    assert place.runs == ["first", "second", "second"]
+    assert sorted(path.name for path in (place.folder / "page" / "kept").iterdir()) == ["first.json", "second.json"]
+
+
+def test_missing_folders_are_refused_in_a_sentence_and_nothing_is_written(place):
+    place.analysis("one")
+    for options, sentence in [
+        (("--analyses", "nowhere"), "nowhere: there is no such folder of analyses; run the command where"),
+        (("--data", "nowhere"), "nowhere is no folder; name that of the real measurements"),
+        (("--out", "log.txt/page"), "is not a folder"),
+    ]:
+        (place.folder / "log.txt").touch()
+        status, said = place.run("--out", "page", *options)
+        assert status == 2
+        assert sentence in said
+        assert len(said.splitlines()) == 1
+    assert not (place.folder / "page").exists()
+    assert place.runs == []
