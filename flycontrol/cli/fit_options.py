@@ -81,7 +81,9 @@ def _settings(request: FitRequest, model: GainModel) -> dict[str, Unknown]:
             raise InvalidInputError(f"{option} is given for {name}, but {why}; add --estimate {name}, or leave it out.")
     for name, unknown in model.unknown.items():
         if name in bounds:
-            unknown = replace(unknown, **_bounds(name, bounds[name]))  # noqa: PLW2901
+            ends = {"low": unknown.low, "high": unknown.high} | _bounds(name, bounds[name])
+            _refuse_bounds(name, bounds[name], ends)
+            unknown = replace(unknown, **ends)  # noqa: PLW2901
         if name in priors:
             unknown = replace(unknown, prior=_prior(name, priors[name]))  # noqa: PLW2901
         settings[name] = unknown
@@ -94,6 +96,14 @@ def requested_sharing(word: str) -> Shared:
         if word == known:
             return known
     raise InvalidInputError(f"--shared must be auto, all, fly or trial, got '{word}'.")
+
+
+def _refuse_bounds(name: str, text: str, ends: dict[str, float]) -> None:
+    if not ends["low"] < ends["high"]:
+        raise InvalidInputError(
+            f'--bound {name} is "{text}", but the lower end must lie below the upper one; an end left out is that of '
+            "the search."
+        )
 
 
 def _bounds(name: str, text: str) -> dict[str, float]:
@@ -117,6 +127,8 @@ def _prior(name: str, text: str) -> Prior:
     if parts is None:
         raise InvalidInputError(f'--prior {name} needs a mean and a deviation such as "69 +- 5 1/s", got "{text}".')
     mean, deviation = (_quantity(name, f"{number} {parts[3]}".strip(), "--prior") for number in parts.group(1, 2))
+    if not deviation > 0:
+        raise InvalidInputError(f'--prior {name} needs a deviation > 0, got "{text}".')
     return Prior(mean=mean, deviation=deviation)
 
 
@@ -154,13 +166,14 @@ def _quantity(name: str, text: str, option: str) -> float:
 def _kinds(name: str) -> tuple[Kind, ...]:
     from flycontrol.io import quantities as q
 
+    rate = q.Kind("a rate", "1/s", "69 1/s")  # in Hz, cycles a second, it would be read differently
     cubed = q.Kind("a cubed rate", "1/s^3", "6e4 1/s^3")
     return {
         "kp": (q.RATE_SQUARED,),
-        "kd": (q.FREQUENCY,),
+        "kd": (rate,),
         "ki": (cubed,),
         "delay": (q.TIME,),
-        "damping": (q.FREQUENCY,),
+        "damping": (rate,),
         "limit": (q.RATE_SQUARED, q.ANGULAR_ACCELERATION),
         "impulse": (q.ANGULAR_VELOCITY,),
         "onset_shift": (q.TIME,),

@@ -86,6 +86,8 @@ def require_regular_file(path: Path) -> None:
             raise InvalidInputError(f"{path} is a folder; name a file in it.")
         if path.exists() and not path.is_file():
             raise InvalidInputError(f"{path} is not a regular file; save the data in a file first.")
+    except InvalidInputError:
+        raise
     except (OSError, ValueError) as error:  # a name too long, a zero byte in it
         raise InvalidInputError(f"{str(path)[:100]!r} cannot be read: {error}.") from error
 

@@ -157,7 +157,7 @@ def _refuse_ragged(file: TextFile, lines: list[Line]) -> None:
         if len(line.fields) != width:
             raise InvalidInputError(
                 f"{file.name}, line {line.number}: {len(line.fields)} fields where line {lines[0].number} has {width}; "
-                "every line of a table needs as many (is the format in the mapping right?)."
+                "every line of a table needs as many; are format, separator and decimal in [file] of the mapping right?"
             )
 
 

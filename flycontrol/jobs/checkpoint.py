@@ -16,6 +16,7 @@ from flycontrol.jobs.folder_lock import locked_folder
 from flycontrol.jobs.work import Work
 
 _JOB = "job.json"
+_READABLE = 40  #: characters
 _DIGEST = hashlib.sha256().digest_size
 
 
@@ -131,10 +132,14 @@ def _require_same_job(folder: Path, job: dict[str, object]) -> None:
     if found == job:
         return
     found = found if isinstance(found, dict) else {}
-    differing = [
-        f"{key} {found.get(key)!r} instead of {value!r}" for key, value in job.items() if found.get(key) != value
-    ]
+    differing = [_difference(key, found.get(key), value) for key, value in job.items() if found.get(key) != value]
     raise OutputError(f"{folder} holds the chunks of another job ({', '.join(differing)}); {_way_out(folder)}")
+
+
+def _difference(key: str, found: object, value: object) -> str:
+    if len(str(value)) > _READABLE:  # a digest tells a reader nothing
+        return f"other {key}: input or options differ"
+    return f"{key} {found!r} instead of {value!r}"
 
 
 def _way_out(folder: Path) -> str:

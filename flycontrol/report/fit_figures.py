@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import scipy.stats
 from matplotlib.figure import Figure
@@ -26,6 +28,8 @@ from flycontrol.report.style import svg
 from flycontrol.units import deg
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+_MUCH = 0.10  #: share outside of a band that 5 % should miss, from which something is wrong
 MOST = 24  #: recordings drawn; of more, those that the fit explains least
 
 
@@ -61,7 +65,7 @@ def _recordings(study: FitStudy) -> PageFigure:
     rms = np.array([recording.yaw.rms for recording in study.recordings]) / deg
     worst = study.recordings[int(np.argmax(rms))]
     which = (
-        f"All {len(rms)} recordings"
+        ("The recording" if len(rms) == 1 else f"All {len(rms)} recordings")
         if len(rms) <= MOST
         else f"The {MOST} recordings of {len(rms)} that the fit explains least"
     )
@@ -84,11 +88,29 @@ def _residuals(study: FitStudy) -> PageFigure:
     outside = [_share_outside(r) for r in recordings]
     caption = (
         f"From one sample to the next the residuals are correlated by {fixed(float(np.nanmedian(left)), 2)} (median). "
-        f"The noise of each recording is modelled as autoregressive, of orders {orders.min()} to {orders.max()}, and "
+        f"The noise of each recording is modelled as autoregressive, of {_orders(orders)}, and "
         "the intervals carry it. If the model of fly and noise were exact, 5 % of the innovations’ autocorrelations "
-        f"would lie outside of the band; {100 * float(np.mean(outside)):.0f} % do."
-    )
+        f"would lie outside of the band; {100 * float(np.mean(outside)):.0f} % do. {_conclusion(study, outside)}"
+    ).strip()
     return _page_figure("residuals", residuals(recordings), "What the fit leaves", caption)
+
+
+def _orders(orders: IntArray) -> str:
+    low, high = int(orders.min()), int(orders.max())
+    return f"order {low}" if low == high else f"orders {low} to {high}"
+
+
+def _conclusion(study: FitStudy, outside: Sequence[float]) -> str:
+    """What too much correlation left in the innovations means, and what to do."""
+    if float(np.mean(outside)) <= _MUCH:
+        return ""
+    flies = {recording.trial.fly for recording in study.recordings}
+    pooled = len(flies) > 1 and any(e.name == "kp" for e in study.result.estimates)
+    cause = (
+        "the flies differ, or the model misses something" if pooled else "the model of fly or noise misses something"
+    )
+    mend = "Fit the flies apart (--shared fly)" if pooled else "Look for what the lines in the panels above miss"
+    return f"That is more than chance: {cause}, and the intervals may be too narrow. {mend}, and compare controllers."
 
 
 def _share_outside(recording: RecordingFit) -> float:
@@ -145,7 +167,7 @@ def _cloud(study: FitStudy) -> PageFigure | None:
     level = f"{100 * result.level:g} %"
     cloud = (
         f"Dots: {len(draws)} fits to data drawn anew from the fitted fly and its noise"
-        + (f", {found.failed} more did not converge. " if found is not None and found.failed else ". ")
+        + (f", {found.failed} more found no minimum and are left out. " if found is not None and found.failed else ". ")
         if len(draws)
         else ""
     )
@@ -186,7 +208,9 @@ def _strength(study: FitStudy) -> PageFigure | None:
     unstable = f" {band.unstable} of them are unstable and never recover." if band.unstable else ""
     caption = (
         f"{found.sentence} Dots: the last entry of yaw into ±{fixed(band.tolerance / deg, 0)}° around the heading, "
-        f"with {100 * band.level:g} % intervals from the noise. Band: {band.draws} loops drawn from the estimates’ "
+        f"with {100 * band.level:g} % intervals from the noise, long where yaw runs along the edge of the band and "
+        "noise may hide a later exit; a triangle at the top marks a recording that ends before the recovery. "
+        f"Band: {band.draws} loops drawn from the estimates’ "
         f"distribution, each with its exact recovery after a pulse of {fixed(band.duration * 1e3, 1, 'ms')}.{unstable}"
     )
     return _page_figure("strength", recovery_points(found), "Recovery time against strength", caption)

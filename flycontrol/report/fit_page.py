@@ -10,6 +10,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from flycontrol.errors import UnstableSystemError
+from flycontrol.identify.gains.design import said_together
 from flycontrol.identify.gains.result import Estimate, FitResult
 from flycontrol.identify.gains.study import FitStudy
 from flycontrol.jobs.files import write_files_atomically
@@ -20,7 +21,7 @@ from flycontrol.model.trial import Pulse
 from flycontrol.report import fit_tables
 from flycontrol.report.fit_figures import fit_figures
 from flycontrol.report.fit_result import FitProvenance, estimates_csv, fit_result_json
-from flycontrol.report.fit_words import KINDS, differing_flies, digits_for, estimate_rows, paper_table
+from flycontrol.report.fit_words import KINDS, differing_flies, digits_for, estimate_rows, in_symbols, paper_table
 from flycontrol.report.fitted import fitted_from
 from flycontrol.report.nominal import dampings, pulse_task, yaw_loop
 from flycontrol.report.numbers import counted, fixed, sentence
@@ -84,6 +85,7 @@ def fit_files(
     stability = None if fly is None else _stability(fly, study, origin, progress)
     if stability is not None:
         files["stability.html"] = stability
+    progress(0, 1, "drawing the page of the fit")
     files["index.html"] = fit_page(study, origin, with_stability=stability is not None)
     return files
 
@@ -104,7 +106,8 @@ def fit_page(study: FitStudy, origin: FitProvenance, *, with_stability: bool) ->
         tables=_table_numbers(study),
         level=f"{100 * study.result.level:g}",
         consequences=fit_tables.consequence_rows(study),
-        trade_offs=[sentence(each.sentence) for each in study.trade_offs[:4]],
+        trade_offs=[sentence(in_symbols(each)) for each in said_together(study.trade_offs[:4])],
+        status=sentence(in_symbols(study.result.status)),
         controllers=fit_tables.controller_rows(study),
         predictions=fit_tables.prediction_rows(study),
         effects=[] if study.flies is None else fit_tables.effect_rows(study.flies),
@@ -136,7 +139,11 @@ def fitted_fly(study: FitStudy, parameters: Parameters) -> Parameters | None:
     fitted = {field: _sourced(result, kind) for field, kind in _FITTED.items()}
     damping = _sourced(result, "damping")
     fitted["damping"] = replace(
-        damping, value=damping.value * inertia, unit="N m s", text="", note=f"β/I = {damping.text}, {damping.note}"
+        damping,
+        value=damping.value * inertia,
+        unit="N m s",
+        text=f"{damping.value * inertia:.3g} N m s",
+        note=f"β/I = {damping.text}, {damping.note}",
     )
     gamma = _fitted_paddling(result, inertia)
     if gamma is not None:
@@ -155,7 +162,9 @@ def _fitted_paddling(result: FitResult, inertia: float) -> Sourced | None:
         return None
     ratio = _sourced(result, "paddling_gain")
     note = f"γ/I = {ratio.text}, {ratio.note}"
-    return replace(ratio, value=ratio.value * inertia, unit="N m/rad", text="", note=note)
+    return replace(
+        ratio, value=ratio.value * inertia, unit="N m/rad", text=f"{ratio.value * inertia:.3g} N m/rad", note=note
+    )
 
 
 def _is_one_loop(result: FitResult) -> bool:

@@ -25,6 +25,7 @@ _OF_THE_LOOP = (
 )
 FIELDS: dict[str, str] = {
     "status": "how far the fit can be trusted, in a sentence",
+    "usable": "false if the status forbids the use of the estimates: not converged, not identifiable, nothing found",
     "converged": "whether the search ended at a minimum",
     "controller": "P, PD, PI or PID",
     "signal": "what the controller acts on",
@@ -167,6 +168,7 @@ def fit_result(study: FitStudy, origin: FitProvenance) -> dict[str, Any]:
     return {
         "fields": FIELDS,
         "status": result.status,
+        "usable": result.usable,
         "converged": result.converged,
         "controller": result.controller,
         "signal": "yaw angle",

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 
 import numpy as np
 
+from flycontrol.identify.gains.model import GAINS
 from flycontrol.identify.gains.result import Estimate, FitResult
 from flycontrol.identify.gains.ridge import Ridge
 from flycontrol.identify.gains.study import FitStudy
-from flycontrol.report.numbers import ABSENT, fixed
+from flycontrol.report.numbers import ABSENT, counted, fixed
 from flycontrol.units import deg, ms
 
 #: Words, symbol in HTML, unit as written, and its size in the unit of the estimate.
@@ -26,10 +28,11 @@ KINDS: dict[str, tuple[str, str, str, float]] = {
     "initial_yaw": ("yaw at the first sample", "ψ(0)", "deg", deg),
     "initial_rate": ("yaw rate at the first sample", "ψ̇(0)", "rad/s", 1.0),
     "heading": ("heading that the fly keeps", "ψ<sub>0</sub>", "deg", deg),
-    "paddling_gain": ("paddling torque an angle over inertia", "γ/<i>I</i>", "1000/s² per rad", 1e3),
+    "paddling_gain": ("paddling torque by angle, over inertia", "γ/<i>I</i>", "1000/s² per rad", 1e3),
 }
 _DIFFERENT = 0.01  #: p of the homogeneity test under which pooled intervals need a word
 _MOST_OF_IT = 0.5  #: share of a ridge's window from which there is no valley in it
+_TERMS = {"kp": "K_P psi", "kd": "K_D psi'", "ki": "K_I integral of psi"}
 OF_THE_LOOP = ("kp", "kd", "ki", "delay", "damping", "limit", "paddling_gain")
 
 
@@ -62,10 +65,18 @@ def _row(e: Estimate) -> EstimateRow:
     notes = [e.open_because] if e.open_because else []
     notes += ["at its bound"] if e.at_bound else []
     return EstimateRow(
-        words=words, symbol=symbol, plain=plain(symbol), owner=owner(e), value=fixed(e.value / size, digits),
-        interval=" to ".join(ends), error=fixed(e.standard_error / size, digits) if _finite(e) else ABSENT, unit=unit,
+        words=words, symbol=symbol, plain=plain(symbol), owner=owner(e), value=_value(e, size, digits),
+        interval=_ends(ends), error=fixed(e.standard_error / size, digits) if _finite(e) else ABSENT, unit=unit,
         note="; ".join(notes),
     )  # fmt: skip
+
+
+def _ends(ends: list[str]) -> str:
+    return "open" if ends == ["open", "open"] else " to ".join(ends)
+
+
+def _value(e: Estimate, size: float, digits: int) -> str:
+    return fixed(e.value / size, digits) if math.isfinite(e.value) else "none reached"
 
 
 def _finite(e: Estimate) -> bool:
@@ -91,6 +102,11 @@ def digits_for(error: float, value: float) -> int:
     if not (math.isfinite(size) and size > 0):
         return 1
     return min(max(1 - math.floor(math.log10(size)), 0), 9)
+
+
+def in_symbols(text: str) -> str:
+    """A sentence of the fit with gains written as in the tables: K_P/I for kp."""
+    return re.sub(r"\b(kp|kd|ki)\b", lambda name: plain(KINDS[name[1]][1]), text)
 
 
 def plain(symbol: str) -> str:
@@ -131,9 +147,11 @@ def paper_table(study: FitStudy) -> str:
         cells = (f"{row.words} {row.owner}".strip(), row.plain, row.value, row.interval, row.error, row.unit)
         lines.append(f"| {' | '.join(cells)} |")
     trials, flies = result.problem.trials, {trial.fly for trial in result.problem.trials}
+    terms = " + ".join(_TERMS[gain] for gain in GAINS[result.controller])
+    who = f"{counted(len(trials), 'recording')} of {counted(len(flies), 'fly', 'flies')}"
     foot = (
-        f"{result.controller} control of the yaw angle, N_fly = -(K_P psi + K_D psi' + ...)(t - T), restoring gains "
-        f"positive, fitted to {len(trials)} recordings of {len(flies)} flies. Status: {result.status}"
+        f"{result.controller} control of the yaw angle, N_fly = -({terms})(t - T), restoring gains positive, fitted "
+        f"to {who}. Status: {in_symbols(result.status)}"
     )
     return "\n".join([*lines, "", " ".join([foot, differing_flies(study)]).strip()]) + "\n"
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from flycontrol.identify.gains.study import FitStudy
 from flycontrol.report.fit_tables import consequence_rows
-from flycontrol.report.fit_words import differing_flies
+from flycontrol.report.fit_words import differing_flies, in_symbols
 from flycontrol.report.numbers import sentence
 
 #: Quantities of the verdict's table, in the order of the intervals in `consequence_rows`.
@@ -33,5 +33,5 @@ def fitted_from(study: FitStudy) -> FittedFrom:
     intervals: dict[str, str] = dict(zip(_FINDINGS, ends, strict=True)) if ends else {}
     if "Slowest mode" in intervals:
         intervals["Slowest mode"] += " (real part)"
-    said = (f"The fit: {sentence(study.result.status)}", differing_flies(study))
+    said = (f"The fit: {sentence(in_symbols(study.result.status))}", differing_flies(study))
     return FittedFrom(sentences=tuple(each for each in said if each), intervals=intervals)

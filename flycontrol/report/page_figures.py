@@ -14,7 +14,7 @@ from flycontrol.model.study import StabilityStudy
 from flycontrol.report.chain import LoopChain
 from flycontrol.report.figures.bode import bode
 from flycontrol.report.figures.budget import budget, phase_budget
-from flycontrol.report.figures.chart import gain_chart
+from flycontrol.report.figures.chart import gain_chart, shows_second_pair
 from flycontrol.report.figures.damping import p_against_pd
 from flycontrol.report.figures.locus import LocusReading, nearest_crossing, root_loci
 from flycontrol.report.figures.nyquist import nyquist
@@ -155,8 +155,8 @@ def _chart(study: StabilityStudy) -> PageFigure | None:
     right = (
         "No delay is stable with these gains, so the plane of gain and delay is left out."
         if slice_ is None
-        else "Right: the largest stable delay against a common factor on both gains, by the closed form; above the "
-        "thin line a second pair of roots is unstable. "
+        else "Right: the largest stable delay against a common factor on both gains, by the closed form"
+        + ("; above the thin line a second pair of roots is unstable. " if shows_second_pair(slice_) else ". ")
     )
     caption = (
         f"Left: all PD gains at this fly’s damping and its delay of {milliseconds(delay)}; numbers count the unstable "

@@ -102,6 +102,7 @@ def test_a_chunk_of_another_place_or_job_is_computed_again(work, checkpoint, log
         ({"chunk": 5}, "five flies", "chunk 10 instead of 5"),
         ({"items": range(34)}, "five flies", "items 35 instead of 34"),
         ({}, "six flies", "identity 'five flies' instead of 'six flies'"),
+        ({}, 64 * "b", "other identity: input or options differ"),
     ],
 )
 def test_a_folder_of_another_job_is_refused_with_the_difference(work, checkpoint, log, change, identity, difference):

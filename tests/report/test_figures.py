@@ -1,4 +1,5 @@
 import re
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -8,7 +9,9 @@ from texts import overlapping_texts, texts_outside, unlabelled
 
 from flycontrol.report import page_figures, style
 from flycontrol.report.chain import loop_chain
+from flycontrol.report.figures.chart import shows_second_pair
 from flycontrol.report.page_figures import page_figures as draw
+from flycontrol.units import ms
 
 STABLE = {"bode", "nyquist", "budget", "gain-locus", "delay-locus", "chart", "recoveries", "strength", "damping"}
 WITHOUT_STABILITY = {"bode", "nyquist", "gain-locus", "delay-locus", "chart", "damping"}
@@ -93,3 +96,48 @@ def test_the_phase_budget_adds_up_to_the_phase_margin(stable):
     chain = loop_chain(stable.result.loop, 220.0).chain
     total = sum(phase for _, phase in budget(chain, margins.gain_crossovers[-1]))
     assert np.radians(total + 180.0) == pytest.approx(margins.phase_margin, rel=1e-12)
+
+
+@pytest.fixture(scope="module")
+def swinging(parameters, studied):
+    """A loop whose second swing leaves the band at a small peak, so that yaw comes back from the other side."""
+    gains = {
+        "proportional_gain": replace(parameters.proportional_gain, value=3500.0, text="3500 1/s^2"),
+        "derivative_gain": replace(parameters.derivative_gain, value=50.0, text="50 1/s"),
+    }
+    return studied(replace(parameters, **gains))
+
+
+def test_the_dot_at_the_end_of_a_recovery_lies_on_the_curve_of_yaw(swinging, stable, monkeypatch):
+    sides = []
+    for study in (swinging, stable):
+        axes = matplotlib_figures(study, monkeypatch)["recoveries"].axes[0]
+        end = study.result.recovery_time / ms
+        dot = next(line for line in axes.lines if line.get_marker() == "o")
+        curve = axes.lines[1 + 2 * int(np.argmin(np.abs(study.recoveries.peaks - study.result.task.peak)))]
+        assert dot.get_xdata()[0] == end
+        side = dot.get_ydata()[0]
+        assert np.interp(end, *curve.get_data()) == pytest.approx(side, abs=0.02)  # straight between points
+        sides.append(side)
+    assert sides == [-2.0, 2.0]
+
+
+def test_the_words_at_a_jump_stay_between_the_axes(swinging, monkeypatch):
+    figure = matplotlib_figures(swinging, monkeypatch)["strength"]
+    assert not overlapping_texts(figure)
+    assert not texts_outside(figure)
+    renderer, inside = figure.canvas.get_renderer(), figure.axes[0].get_window_extent()
+    jumps = [text for text in figure.axes[0].texts if "leaves the band" in text.get_text()]
+    assert jumps
+    for text in jumps:
+        box = text.get_window_extent(renderer)
+        assert inside.x0 < box.x0
+        assert box.x1 < inside.x1
+
+
+def test_a_line_that_the_chart_does_not_show_is_not_spoken_of(stable):
+    caption = draw(stable, loop_chain(stable.result.loop, 220.0), 220.0)["chart"].caption
+    assert ("thin line" in caption) == shows_second_pair(stable.delay_slice)
+    far = replace(stable.delay_slice, next_crossing=np.full_like(stable.delay_slice.next_crossing, 10.0))
+    hidden = replace(stable, delay_slice=far)
+    assert "thin line" not in draw(hidden, loop_chain(stable.result.loop, 220.0), 220.0)["chart"].caption

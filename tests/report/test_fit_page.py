@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 from outline import Outline, leaves, read_json
 
+from flycontrol.identify.gains.design import Remedy, TradeOff, said_together
 from flycontrol.identify.gains.model import gain_model
 from flycontrol.identify.gains.ridge import ridge
 from flycontrol.identify.gains.study import FitOptions, fit_study
@@ -133,3 +134,24 @@ def test_the_table_to_paste_holds_every_shared_estimate_with_its_unit(study):
 @pytest.mark.parametrize(("error", "digits"), [(38.0, 0), (3.8, 1), (0.38, 2), (0.0996, 3), (float("inf"), 0)])
 def test_two_digits_of_the_error_are_written(error, digits):
     assert digits_for(error, 3050.0) == digits
+
+
+def test_words_have_the_number_of_their_noun_and_gains_one_name(unmoved, study):
+    one = Outline(fit_page(unmoved, fit_provenance(unmoved, "flycontrol fit"), with_stability=False)).text
+    assert not re.search(r"\b1 (recordings|flies|fits|estimates)\b|\borders (\d) to \2\b", one)
+    assert "1 recording of 1 fly" in paper_table(unmoved)
+    assert "N_fly = -(K_P psi + K_D psi')(t - T)" in paper_table(study)
+    two = Outline(fit_page(study, fit_provenance(study, "flycontrol fit"), with_stability=False)).text
+    prose = two.split("Provenance")[0]
+    assert not re.search(r"\b(kp|kd)\b", prose)
+
+
+def test_trade_offs_that_only_more_recordings_narrow_share_a_sentence(study):
+    more = Remedy(what="a second recording like each", correlation=-0.8, errors=(0.71, 0.7))
+    other = Remedy(what="damping known from elsewhere", correlation=0.2, errors=(0.4, 0.5))
+    pairs = [TradeOff(first="kp", second=second, correlation=-0.8, remedies=(more,)) for second in ("kd", "delay")]
+    parted = TradeOff(first="kd", second="delay", correlation=0.9, remedies=(other, more))
+    said = said_together([*pairs, parted])
+    assert said[0] == parted.sentence
+    assert said[1].startswith("Correlated are kp and kd (-0.80), kp and delay (-0.80);")
+    assert len(said) == 2

@@ -7,7 +7,7 @@ with J at other sampling times, with a recording more, or with an unknown less; 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -22,7 +22,9 @@ from flycontrol.units import ms
 
 FloatArray = NDArray[np.float64]
 _LONGER, _EARLIER = 30 * ms, 10 * ms
+_MORE = "a second recording like each"
 _STRONG = 0.5  #: correlation from which two unknowns are said to trade off
+_SAME = 0.02  #: of correlations that are as good as equal
 _LOCAL = ("impulse", "heading", "initial_yaw", "initial_rate")
 
 
@@ -51,6 +53,11 @@ class TradeOff:
         if not self.remedies:
             return text + "."
         best = self.remedies[0]
+        if abs(best.correlation - self.correlation) < _SAME:
+            narrower = max(best.errors)
+            return (
+                f"{text}; {best.what} would not part them, but narrow both to {narrower:.0%} of their standard errors."
+            )
         return (
             f"{text}; {best.what} would change it to {best.correlation:+.2f} and their standard errors to "
             f"{best.errors[0]:.0%} and {best.errors[1]:.0%} of what they are."
@@ -69,6 +76,21 @@ def trade_offs(found: FitResult) -> tuple[TradeOff, ...]:
         TradeOff(first=names[i], second=names[j], correlation=r, remedies=_remedies(now, others, i, j))
         for i, j, r in strong
     )
+
+
+def said_together(found: Sequence[TradeOff]) -> list[str]:
+    """Sentences on trade-offs: those that only more recordings would narrow share one."""
+    alike = [each for each in found if each.remedies and each.remedies[0].what == _MORE]
+    rest = [each.sentence for each in found if each not in alike]
+    if not alike:
+        return rest
+    pairs = ", ".join(f"{each.first} and {each.second} ({each.correlation:+.2f})" for each in alike)
+    errors = max(max(each.remedies[0].errors) for each in alike)
+    return [
+        *rest,
+        f"Correlated are {pairs}; of the experiments compared, more recordings help most: {_MORE} would narrow all of "
+        f"these to {errors:.0%} of their errors and leave the correlations.",
+    ]
 
 
 def expected_covariance(
@@ -112,7 +134,7 @@ def _designs(found: FitResult) -> list[tuple[str, Callable[[], FloatArray | None
         (f"{_LONGER / ms:g} ms more of recording", lambda: expected_covariance(found, after=_LONGER)),
         (f"{_EARLIER / ms:g} ms more before the perturbation",
          lambda: None if at_rest else expected_covariance(found, before=_EARLIER)),
-        ("a second recording like each", lambda: expected_covariance(found, copies=2)),
+        (_MORE, lambda: expected_covariance(found, copies=2)),
         ("damping known from elsewhere",
          lambda: expected_covariance(found, known="damping") if "damping" in shared else None),
     ]  # fmt: skip

@@ -47,7 +47,7 @@ class RecoveryAgainstStrength:
     measured: tuple[MeasuredRecovery, ...]
     band: RecoveryBand  #: over a grid of strengths
     expected: RecoveryBand  #: at the measured peaks, in their order
-    agreeing: int  #: recordings whose interval meets the band
+    agreeing: int  #: recordings that show a recovery, whose interval meets the band
     sentence: str
 
 
@@ -102,7 +102,7 @@ def recovery_against_strength(
     )  # fmt: skip
     band, expected = (_part(both, which) for which in (slice(0, len(grid)), slice(len(grid), None)))
     agreeing = sum(
-        recovery.low <= high and low <= recovery.high
+        recovery.recovered and recovery.low <= high and low <= recovery.high
         for recovery, low, high in zip(measured, expected.low, expected.high, strict=True)
     )
     return RecoveryAgainstStrength(
@@ -149,5 +149,5 @@ def _sentence(measured: tuple[MeasuredRecovery, ...], agreeing: int) -> str:
         return f"None of the {len(measured)} recordings shows a recovery."
     return (
         f"{len(back)} of {len(measured)} recordings show a recovery, after {min(back) / ms:.0f} to "
-        f"{max(back) / ms:.0f} ms; {agreeing} agree with the band that the fit predicts."
+        f"{max(back) / ms:.0f} ms; {agreeing} of these agree with the band that the fit predicts."
     )

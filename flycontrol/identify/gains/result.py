@@ -15,6 +15,7 @@ from flycontrol.identify.gains.noise import Noise
 from flycontrol.identify.gains.problem import FitProblem
 from flycontrol.identify.gains.profile import Profile, profile
 from flycontrol.identify.gains.response import UNITS
+from flycontrol.identify.gains.spoken import spoken, spoken_range
 from flycontrol.identify.gains.uncertainty import LocalUncertainty
 from flycontrol.model.yaw import YawLoop
 
@@ -54,6 +55,18 @@ class FitResult:
     level: float  #: of the intervals
     converged: bool
     status: str  #: a sentence
+
+    def __repr__(self) -> str:
+        return f"<FitResult: {self.status}>"
+
+    def __str__(self) -> str:
+        """The status, then every estimate with its interval."""
+        wide = max(len(e.name) for e in self.estimates)
+        lines = [
+            f"{e.name:{wide}}  {spoken(e.value, e.unit)} ({spoken_range(e.low, e.high, e.unit)})"
+            for e in self.estimates
+        ]
+        return "\n".join([self.status, f"{100 * self.level:g} % intervals:", *lines])
 
     def __getitem__(self, name: str) -> Estimate:
         """The estimate of that name; InvalidParameterError, a KeyError's sentence, if there is none."""

@@ -132,6 +132,12 @@ def _draw_slice(ax: Axes, slice_: DelaySlice, margins: Margins | None, delay: fl
     ax.set_ylabel("delay [ms]")
 
 
+def shows_second_pair(slice_: DelaySlice) -> bool:
+    """Whether the line above which a second pair is unstable runs through the chart."""
+    inside = slice_.factor <= slice_.chart.x.values[-1]
+    return bool((slice_.next_crossing[inside] < slice_.chart.y.values[-1]).any())
+
+
 def _mark_margins(ax: Axes, margins: Margins, delay: float) -> None:
     """Arrows from the fly to the boundary, to the right and upwards."""
     arrow = {"arrowstyle": "-|>", "color": MARK, "linewidth": 1.2, "shrinkA": 0, "shrinkB": 0}

@@ -45,7 +45,10 @@ def likelihood_profiles(profiles: Mapping[str, Profile], estimates: Mapping[str,
 def _draw(ax: Axes, profile: Profile, e: Estimate) -> None:
     size = KINDS[e.kind][3]
     x = profile.values / size
-    ax.axvspan(max(e.low / size, x[0]), min(e.high / size, x[-1]), color=BAND, linewidth=0, zorder=0)
+    low, high = (end / size if np.isfinite(end) else edge for end, edge in ((e.low, x[0]), (e.high, x[-1])))
+    ax.axvspan(low, high, color=BAND, linewidth=0, zorder=0)
+    room = 0.04 * (max(high, x[-1]) - min(low, x[0]))
+    ax.set_xlim(min(low, x[0]) - room, max(high, x[-1]) + room)
     ax.axhline(profile.threshold, **GUIDE_LINE)
     centre = float(profile.values[np.argmin(profile.deviance)])
     if np.isfinite(e.standard_error):

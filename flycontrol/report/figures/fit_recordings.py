@@ -42,15 +42,16 @@ def _draw(ax: Axes, recording: RecordingFit) -> None:
     ax.axhline(0, **GUIDE_LINE)
     every = max(1, len(fit.time) // _POINTS)
     ax.plot(
-        fit.time[::every] / ms, (fit.measured[::every] - heading) / deg, ".", color=MEASURED, markersize=2,
-        markeredgewidth=0,
+        fit.time[::every] / ms, (fit.measured[::every] - heading) / deg, ".", color=MEASURED, markersize=2.6,
+        markeredgewidth=0, zorder=2.5,
     )  # fmt: skip
-    ax.plot(fit.curve_time / ms, (fit.curve - heading) / deg, color=EXACT, linewidth=1.1)
+    ax.plot(fit.curve_time / ms, (fit.curve - heading) / deg, color=EXACT, linewidth=0.9)
     ax.set_title(_short(recording.trial.name), fontsize=7.5, weight="normal", pad=2)
     up = np.abs(np.max(fit.curve) - heading) >= np.abs(np.min(fit.curve) - heading)
     ax.text(
         0.98, 0.95 if up else 0.05, f"{fit.rms / deg:.2f}° rms", transform=ax.transAxes, ha="right",
         va="top" if up else "bottom", fontsize=7,
+        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.8},
     )  # fmt: skip
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.legend_handler import HandlerTuple
@@ -51,7 +52,7 @@ def recoveries(found: YawRecoveries, result: StabilityResult, wingbeat_frequency
         torque.plot(time, found.torque[k] * inertia / _NANO, color=colour, linewidth=1.7)
         error.plot(time, (found.yaw_pade[k] - found.yaw[k]) / deg, color=colour, linewidth=1.3)
     _write_strengths(yaw, found)
-    _mark_band(yaw, result)
+    _mark_band(yaw, found, result)
     middle = sum(torque.get_ylim()) / 2
     torque.text(result.task.duration / ms / 2, middle, "pulse", ha="center", va="center", rotation=90)
     _tell_lines(yaw, found)
@@ -89,15 +90,17 @@ def _write_strengths(ax: Axes, found: YawRecoveries) -> None:
         )
 
 
-def _mark_band(ax: Axes, result: StabilityResult) -> None:
-    """Tolerance band, and where the nominal recovery ends."""
+def _mark_band(ax: Axes, found: YawRecoveries, result: StabilityResult) -> None:
+    """Tolerance band, and where the nominal recovery ends, on the side that yaw enters from."""
     tolerance = result.task.tolerance / deg
     ax.axhspan(-tolerance, tolerance, color=BAND, linewidth=0, zorder=0)
     if result.recovery_time is not None:
         end = result.recovery_time / ms
-        ax.plot(end, tolerance, "o", color=MARK, markersize=5)
+        nearest = found.yaw[np.argmin(np.abs(found.peaks - result.task.peak))]
+        side = np.sign(np.interp(result.recovery_time, found.time, nearest))
+        ax.plot(end, side * tolerance, "o", color=MARK, markersize=5)
         ax.annotate(
-            f"{result.task.peak / deg:.0f}° recovers to ±{tolerance:g}° in {end:.1f} ms", (end, tolerance),
+            f"{result.task.peak / deg:.0f}° recovers to ±{tolerance:g}° in {end:.1f} ms", (end, side * tolerance),
             xytext=(14, 26), textcoords="offset points", color=MARK,
             arrowprops={"arrowstyle": "-", "color": MARK, "linewidth": 0.7},
         )  # fmt: skip

@@ -22,6 +22,8 @@ from flycontrol.report.style import (
 )
 from flycontrol.units import deg, ms
 
+_ROOM = 0.9  #: of the longest time; words stand above lower jumps
+
 
 @in_house_style()
 def recovery_against_strength(
@@ -84,7 +86,9 @@ def _mark_jumps(ax: Axes, curve: RecoveryCurve) -> None:
         ax.plot(jump / deg, before[-1] / ms, "o", color=EXACT, markersize=5)
         ax.plot(jump / deg, after[0] / ms, "o", markeredgecolor=EXACT, markerfacecolor="white", markersize=5)
         swing = float(np.sort(curve.swings[curve.swings < 1])[::-1][k]) if len(curve.swings) > k + 1 else np.nan
-        text = f"jump at {jump / deg:.1f}°: a later swing, {swing:.2%} of the peak, leaves the band"
+        above = after[0] < _ROOM * curve.times.max()
         ax.annotate(
-            text, (jump / deg, after[0] / ms), xytext=(-8, 0), textcoords="offset points", ha="right", va="center"
-        )
+            f"jump at {jump / deg:.1f}°:\na later swing, {swing:.2%}\nof the peak, leaves the band",
+            (jump / deg, after[0] / ms), xytext=(-6, 4 if above else 0), textcoords="offset points", ha="right",
+            va="bottom" if above else "center",
+        )  # fmt: skip

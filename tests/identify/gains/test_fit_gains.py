@@ -148,3 +148,13 @@ def test_a_bad_request_is_refused_in_a_sentence():
         fit_gains([recording(0)], noise="pink")
     with pytest.raises(InvalidInputError, match="no trial has paddling"):
         fit_gains([recording(0)], gain_model(estimate=["paddling_gain"]))
+
+
+def test_a_result_prints_its_status_and_every_estimate_on_a_line():
+    found = fit_gains([recording(0)], gain_model(fixed=AT_REST | {"damping": 69.0}))
+    lines = str(found).splitlines()
+    assert lines[0] == found.status
+    assert len(lines) == 2 + len(found.estimates)
+    delay = next(line for line in lines if line.startswith("delay"))
+    assert f"{found['delay'].value * 1e3:.4g} ms (from {found['delay'].low * 1e3:.4g} to" in delay
+    assert repr(found) == f"<FitResult: {found.status}>"
