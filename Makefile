@@ -44,11 +44,14 @@ reports: report
 coverage: $(VENV)/run.stamp
 	$(BIN)/python analyses/interval_coverage.py
 
+# A process on every core, up to four; the tests of a file stay together, since they share what was computed once.
+CORES := -n auto --maxprocesses 4 --dist loadfile
+
 test: $(VENV)/test.stamp
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest $(CORES)
 
 test-all: $(VENV)/test.stamp
-	$(BIN)/python -m pytest -m "slow or not slow"
+	$(BIN)/python -m pytest $(CORES) -m "slow or not slow"
 
 fuzz: $(VENV)/test.stamp
 	$(BIN)/python tests/io/fuzz_campaign.py
