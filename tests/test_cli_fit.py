@@ -1,15 +1,18 @@
 """The command from files to results; what the options mean is tested apart."""
 
 import json
+import re
 import shlex
 import sys
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
 from flycontrol import cli
 from flycontrol.cli.fit_command import typed_command
 from flycontrol.cli.fit_options import FitRequest, requested_model
+from flycontrol.cli.fit_reporting import Report, listed
 from flycontrol.identify.gains.problem import standard_model
 from flycontrol.identify.gains.synthetic import synthetic_experiment
 from flycontrol.io.example_files import example_files
@@ -46,6 +49,7 @@ def test_json_on_standard_output_holds_the_truth_and_nothing_is_written(command,
     status, printed, said = command(demo / "*3.csv", "--mapping", demo / "mapping.toml", "--json", *AT_REST)
     assert status == 0
     assert said.startswith("flycontrol: converged")
+    assert re.search(r"\nflycontrol: kp [\d.]+ 1/s\^2 \(from [\d.]+ to [\d.]+ 1/s\^2\); kd .*; delay [\d.]+ ms ", said)
     found, truth = json.loads(printed), synthetic_experiment(0, 1).flies["fly1"]
     estimates = {e["name"]: e for e in found["estimates"]}
     for name, value in truth.items():
@@ -78,6 +82,17 @@ def test_bad_options_end_with_status_2_before_any_work(command, demo, tmp_path, 
     assert status == 2
     assert sentence in said
     assert said.count("\n") == 1
+
+
+def test_a_folder_in_place_of_a_file_is_refused_in_one_sentence(command, demo):
+    status, _, said = command(demo, "--mapping", demo / "mapping.toml")
+    assert (status, said) == (2, f"flycontrol: {demo} is a folder; name a file in it.\n")
+
+
+def test_everything_that_was_written_is_named():
+    report = Report("", "", "", lambda *_: (), str)
+    written = tuple(Path("out", name) for name in ("result.json", "stability.html", "index.html", "table.md"))
+    assert listed(report, written) == f"{Path('out/index.html')}, result.json, stability.html and table.md"
 
 
 def test_a_pattern_that_matches_nothing_is_refused(command, demo, tmp_path):

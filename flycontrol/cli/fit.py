@@ -12,7 +12,7 @@ import typer
 
 from flycontrol.cli.fit_command import typed_command
 from flycontrol.cli.fit_options import FitRequest, requested_model, requested_sharing
-from flycontrol.cli.fit_reporting import report_of
+from flycontrol.cli.fit_reporting import listed, report_of
 from flycontrol.cli.terminal import kept_when_interrupted, progress_bar, refusal_with_a_mapping_to_edit, say
 from flycontrol.errors import InvalidInputError
 
@@ -144,13 +144,15 @@ def fit(
         with kept_when_interrupted(kept):
             found = study_of(trials, model, options, stages, requested_sharing(request.shared))
             report = report_of(found, command)
+            where = "done"
             if folder is not None:
-                report.write(fly, folder, progress)
+                where = f"wrote {listed(report, report.write(fly, folder, progress))}"
                 stages.clear()
     if json:
         typer.echo(report.json(), nl=False)
-    where = f"wrote {folder / 'index.html'}{report.beside}" if folder else "done"
     say(f"{report.status} {where} in {time.perf_counter() - started:.1f} s")
+    if report.summary:
+        say(report.summary)
 
 
 def _with_pulses(

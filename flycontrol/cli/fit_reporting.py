@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from flycontrol.identify.gains.apart import ApartStudy
+    from flycontrol.identify.gains.result import FitResult
     from flycontrol.identify.gains.study import FitStudy
     from flycontrol.jobs.progress import Progress
     from flycontrol.model.parameters import Parameters
@@ -19,9 +20,29 @@ class Report:
     """What a study, pooled or apart, is reported by."""
 
     status: str
-    beside: str  #: names of what lies beside the page
-    write: Callable[[Parameters, Path, Progress], object]
+    summary: str  #: the loop's estimates with intervals; empty where there is no one loop
+    beside: str  #: what lies beside the page; empty: all that was written
+    write: Callable[[Parameters, Path, Progress], tuple[Path, ...]]
     json: Callable[[], str]
+
+
+def listed(report: Report, written: tuple[Path, ...]) -> str:
+    """The page that was written and what lies beside it."""
+    page = next(path for path in written if path.name == "index.html")
+    others = [path.name for path in written if path.name != "index.html"]
+    return f"{page}{report.beside or ', ' + ', '.join(others[:-1]) + ' and ' + others[-1]}"
+
+
+def _summary(result: FitResult) -> str:
+    from flycontrol.identify.gains.spoken import spoken, spoken_range
+
+    if result.found_nothing:
+        return ""
+    return "; ".join(
+        f"{e.name} {spoken(e.value, e.unit)} ({spoken_range(e.low, e.high, e.unit)})"
+        for e in result.estimates
+        if e.name == e.kind
+    )
 
 
 def report_of(found: FitStudy | ApartStudy, command: str) -> Report:
@@ -33,7 +54,7 @@ def report_of(found: FitStudy | ApartStudy, command: str) -> Report:
         from flycontrol.report.fit_result import fit_result_json
 
         return Report(
-            found.result.status, ", result.json, estimates.csv and table.md",
+            found.result.status, _summary(found.result), "",
             lambda fly, folder, progress: write_fit_report(found, fly, folder, command=command, progress=progress),
             lambda: fit_result_json(found, fit_provenance(found, command)),
         )  # fmt: skip
@@ -41,7 +62,7 @@ def report_of(found: FitStudy | ApartStudy, command: str) -> Report:
     from flycontrol.report.apart_result import apart_result_json
 
     return Report(
-        found.status, f", result.json, estimates.csv, table.md and a report of each {found.by}",
+        found.status, "", f", result.json, estimates.csv, table.md and a report of each {found.by}",
         lambda fly, folder, progress: write_apart_report(found, fly, folder, command=command, progress=progress),
         lambda: apart_result_json(found, apart_provenance(found, command)),
     )  # fmt: skip

@@ -468,6 +468,7 @@ def test_a_spreadsheet_s_semicolons_and_decimal_commas_are_read_as_the_mapping_s
         ({"t": TIME, "yaw": ["-9999"] + ["1", "2", "3"] * 133}, "yaw reaches -174.5 rad; that is more than four turns"),
         ({"t": TIME, "yaw": [5, -999] + [5, 6] * 199}, "line 3, field 2: yaw jumps by -1004 deg, more than a turn"),
         ({"t": TIME, "yaw": ["1,5", *YAW[1:]]}, "line 2: 3 fields where line 1 has 2"),
+        ({"t": TIME, "yaw": ["1,5", *YAW[1:]]}, "are format, separator and decimal in [file] of the mapping right?"),
         ({"t": TIME, "yaw": ['"1,5"', *YAW[1:]]}, 'yaw is not a usable number ("1,5")'),
         (
             {"t": TIME, "yaw": ["inf", *YAW[1:]]},

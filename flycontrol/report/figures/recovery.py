@@ -24,6 +24,7 @@ from flycontrol.report.style import (
 from flycontrol.units import deg, ms
 
 _NANO = 1e-9
+_LATE = 0.55  #: of the axis, from which words stand on the left
 
 
 @in_house_style()
@@ -99,8 +100,9 @@ def _mark_band(ax: Axes, found: YawRecoveries, result: StabilityResult) -> None:
         nearest = found.yaw[np.argmin(np.abs(found.peaks - result.task.peak))]
         side = np.sign(np.interp(result.recovery_time, found.time, nearest))
         ax.plot(end, side * tolerance, "o", color=MARK, markersize=5)
+        late = result.recovery_time > _LATE * found.time[-1]
         ax.annotate(
             f"{result.task.peak / deg:.0f}° recovers to ±{tolerance:g}° in {end:.1f} ms", (end, side * tolerance),
-            xytext=(14, 26), textcoords="offset points", color=MARK,
+            xytext=(-14 if late else 14, 26), textcoords="offset points", color=MARK, ha="right" if late else "left",
             arrowprops={"arrowstyle": "-", "color": MARK, "linewidth": 0.7},
         )  # fmt: skip
