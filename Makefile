@@ -37,6 +37,7 @@ reports: report
 	$(BIN)/python analyses/recovery_at_two_levels.py
 	[ ! -d $(DATA)/robofly_polars ] || $(BIN)/python analyses/wings_against_nature.py
 	[ ! -d $(DATA)/muijres_freeflight ] || $(BIN)/python analyses/hinge_as_a_spring.py
+	[ ! -d $(DATA)/muijres_freeflight ] || $(BIN)/python analyses/which_angle_turns_the_fly.py
 	if [ -n "$(FLIGHTS)" ]; then for note in $(REPLAYS); do $(BIN)/python analyses/$$note.py || exit 1; done; fi
 	for flight in $(FLIGHTS); do $(BIN)/flycontrol report --parameters drosophila_hydei --mapping muijres_freeflight \
 	  --recording $(DATA)/muijres_freeflight/$$flight.txt --out reports/flights/$$flight || exit 1; done

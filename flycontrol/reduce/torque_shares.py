@@ -6,6 +6,9 @@ torques N_i, so that its effects are condensed the same way:
     mean:    v = (1/n) sum of N_i
     slope:   v = sum of (N_i - <N>) (R_i - <R>) / sum of (R_i - <R>)^2
 
+Blocks of L out of n wingbeats scatter too little about their mean: what is drawn is moved away from v by the factor
+sqrt(n / (n - L)) t / z, t and z Student's (n - 1 degrees of freedom) and the normal 97.5 % quantile.
+
 R_i is the torque that the body's motion needs. Noise of tracked wings is in N and hardly in R: it leaves the slope as
 it is, and so do wrong zeros of the wing angles.
 """
@@ -17,6 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtri, stdtrit
 
 from flycontrol.errors import InvalidInputError
 from flycontrol.flight.flapping_fly import FlappingFly
@@ -75,8 +79,10 @@ def shares_of_mean(torques: FloatArray, block: int = BLOCK, draws: int = DRAWS, 
     draws : of the bootstrap
     seed : of the bootstrap
     """
-    picks = _picks(len(torques), block, draws, np.random.default_rng(seed))
-    return torque_shares(torques.mean(axis=0), torques[picks].mean(axis=1), len(torques))
+    n = len(torques)
+    picks = _picks(n, block, draws, np.random.default_rng(seed))
+    mean = torques.mean(axis=0)
+    return torque_shares(mean, _widened(mean, torques[picks].mean(axis=1), n, block), n)
 
 
 def shares_of_slope(
@@ -101,7 +107,8 @@ def shares_of_slope(
     drawn = [_sums(N[i], R[i]) for N, R, i in zip(torques, required, picks, strict=True)]
     as_is = [_sums(N[None], R[None]) for N, R in zip(torques, required, strict=True)]
     slopes, slope = (np.sum([p for p, _ in s], axis=0) / np.sum([q for _, q in s], axis=0) for s in (drawn, as_is))
-    return torque_shares(slope[0], slopes, sum(map(len, required)))
+    n = sum(map(len, required))
+    return torque_shares(slope[0], _widened(slope[0], slopes, n, block), n)
 
 
 def shares_of_collapsed(
@@ -168,10 +175,19 @@ def _interval(value: FloatArray, draws: FloatArray) -> Interval:
 
 
 def _picks(n: int, block: int, draws: int, rng: np.random.Generator) -> NDArray[np.intp]:
-    """Blocks of at most a third of the wingbeats, or all draws of a short turn would be alike."""
+    """Indices (draws, n); a short turn needs shorter blocks, or all draws would be alike."""
     if n < FEWEST:
         raise InvalidInputError(f"Intervals over wingbeats need {FEWEST} of them or more, got {n}; take a longer turn.")
-    return wrapped_blocks(n, max(1, min(block, n // 3)), draws, rng)
+    return wrapped_blocks(n, _length(n, block), draws, rng)
+
+
+def _length(n: int, block: int) -> int:
+    return max(1, min(block, n // 3))
+
+
+def _widened(values: FloatArray, draws: FloatArray, n: int, block: int) -> FloatArray:
+    factor = np.sqrt(n / (n - _length(n, block))) * stdtrit(n - 1, 0.975) / ndtri(0.975)
+    return values + factor * (draws - values)
 
 
 def _sums(torques: FloatArray, required: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -185,4 +201,5 @@ def _collapsed(
 ) -> tuple[FloatArray, FloatArray]:
     picks = _picks(wingbeats.count, block, draws, rng)
     drawn = [torques_of_stroke(fly, wingbeats.drawn(pick).mean_stroke()) for pick in picks]
-    return torques_of_stroke(fly, wingbeats.mean_stroke()), np.stack(drawn)
+    values = torques_of_stroke(fly, wingbeats.mean_stroke())
+    return values, _widened(values, np.stack(drawn), wingbeats.count, block)
