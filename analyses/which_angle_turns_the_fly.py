@@ -460,7 +460,7 @@ def draw_flight(ax: "Axes", found: Findings) -> None:
         ax.plot(time, effects[:, k], label=angle, **look)
     ends = one.flight.inner.reversals[[found.level.first, found.level.last + 1]] * 1e3
     ax.axvspan(*ends, color="#e6edf1", zorder=0)
-    ax.annotate("level turn", (ends.mean(), 8.4), ha="center", va="top")
+    ax.annotate("level turn", (ends.mean(), 6.6), ha="center", va="top")
     ax.annotate("burst", (446, 5.0), ha="right", va="center")
     for first, last in QUIET.values():
         span = one.flight.inner.reversals[[first, last + 1]] * 1e3
