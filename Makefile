@@ -1,5 +1,5 @@
 # make report   set up .venv and write the stability report of the published fly
-# make reports  regenerate every committed example under reports/ but coverage and bench; flights where their data are
+# make reports  regenerate every committed example under reports/ but coverage and bench, the analyses by flycontrol validate
 # make coverage how often intervals hold the truth, 20,000 fits: ten minutes on two cores; goes on where it was
 # make test     set up .venv and run the fast tests
 # make test-all one pytest run, the slow tests included
@@ -23,22 +23,9 @@ report: $(VENV)/run.stamp
 
 DATA := $(or $(FLYCONTROL_DATA),../shared/data)
 FLIGHTS := $(notdir $(basename $(wildcard $(DATA)/muijres_freeflight/2*.txt)))
-REPLAYS := replayed_flights why_crude_replays_miss_yaw noise_ceiling_of_a_replay mass_seen_by_the_wings
 
 reports: report
-	$(BIN)/python analyses/late_but_in_time.py
-	$(BIN)/python analyses/nominal_gains.py
-	$(BIN)/python analyses/pade_or_exact.py
-	$(BIN)/python analyses/p_or_pd.py
-	$(BIN)/python analyses/is_yaw_control_fast_enough.py
-	$(BIN)/python analyses/does_hover_hold.py
-	$(BIN)/python analyses/flutter_or_tumble.py
-	$(BIN)/python analyses/turn_angle_from_paddling.py
-	$(BIN)/python analyses/recovery_at_two_levels.py
-	[ ! -d $(DATA)/robofly_polars ] || $(BIN)/python analyses/wings_against_nature.py
-	[ ! -d $(DATA)/muijres_freeflight ] || $(BIN)/python analyses/hinge_as_a_spring.py
-	[ ! -d $(DATA)/muijres_freeflight ] || $(BIN)/python analyses/which_angle_turns_the_fly.py
-	if [ -n "$(FLIGHTS)" ]; then for note in $(REPLAYS); do $(BIN)/python analyses/$$note.py || exit 1; done; fi
+	$(BIN)/flycontrol validate --out reports/validation --reports reports || [ $$? -eq 1 ]
 	for flight in $(FLIGHTS); do $(BIN)/flycontrol report --parameters drosophila_hydei --mapping muijres_freeflight \
 	  --recording $(DATA)/muijres_freeflight/$$flight.txt --out reports/flights/$$flight || exit 1; done
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Generator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -20,6 +21,15 @@ if TYPE_CHECKING:
 
 INCOMPLETE = 1
 _KINDS = {"note": ".md", "figure": ".svg", "numbers": ".json"}
+
+
+@dataclass(frozen=True, slots=True)
+class _Measurements:
+    """The folder of real measurements; absolute, for processes that look from elsewhere."""
+
+    folder: Path | None  #: None if none was named
+    names: tuple[str, ...]  #: of the folders in it; none if it is not there
+    sha256: str  #: over all files; empty if there are none
 
 
 def validate(
@@ -58,12 +68,12 @@ def validate(
     if not str(out).strip() or str(out) == ".":
         raise InvalidInputError("--out is empty; name a folder such as reports/validation.")
     found = read_analyses(analyses)
-    measured = _data_folder(data, found)
+    measured = _measurements(data, found)
     own = out if reports is None else reports
     for folder in (out, own):
         require_writable_folder(folder)
     scripts = _scripts(found, own, measured)
-    environment = {} if measured is None else {"FLYCONTROL_DATA": str(measured)}
+    environment = {} if measured.folder is None else {"FLYCONTROL_DATA": str(measured.folder)}
     kept = out / "kept"
     with progress_bar() as progress, _kept_when_interrupted(kept):
         ends = run_scripts(
@@ -81,18 +91,21 @@ def validate(
         raise typer.Exit(INCOMPLETE)
 
 
-def _data_folder(asked: Path | None, found: Analyses) -> Path | None:
-    """Absolute, for processes that look from elsewhere; a folder that was asked for must be there."""
-    if asked is None:
-        return found.data
-    if not asked.is_dir():
+def _measurements(asked: Path | None, found: Analyses) -> _Measurements:
+    """Look at the folder that was asked for, which must be there, or the one that the settings name."""
+    from flycontrol.jobs.digest import digest_of, files_below
+
+    if asked is not None and not asked.is_dir():
         raise InvalidInputError(
             f"--data or FLYCONTROL_DATA: {asked} is no folder; name that of the real measurements, or leave it out."
         )
-    return asked.resolve()
+    folder = found.data if asked is None else asked.resolve()
+    files = {} if folder is None else files_below(folder)
+    names = tuple(sorted({name.partition("/")[0] for name in files if "/" in name}))
+    return _Measurements(folder, names, digest_of(files) if files else "")
 
 
-def _scripts(found: Analyses, reports: Path, data: Path | None) -> list[Script]:
+def _scripts(found: Analyses, reports: Path, measured: _Measurements) -> list[Script]:
     """The analyses as scripts, known by all that they depend on."""
     import json
 
@@ -103,7 +116,7 @@ def _scripts(found: Analyses, reports: Path, data: Path | None) -> list[Script]:
     package = Path(__file__).resolve().parents[1]
     common = {
         "package": digest_of(files_below(package, besides=("__pycache__", "cli", "templates"))),
-        "data": "" if data is None else digest_of(files_below(data)),
+        "data": measured.sha256,
         "versions": validation_provenance("").versions,
     }
 
@@ -114,19 +127,20 @@ def _scripts(found: Analyses, reports: Path, data: Path | None) -> list[Script]:
     return [Script(a.path, reports / a.name, identity(a)) for a in found.analyses]
 
 
-def _reported(found: Analyses, ends: list[ScriptEnd], reports: Path, out: Path, data: Path | None) -> list[str]:
+def _reported(found: Analyses, ends: list[ScriptEnd], reports: Path, out: Path, measured: _Measurements) -> list[str]:
     """Write page and result; return what went wrong, a sentence an analysis."""
-    from flycontrol.jobs.digest import digest_of, files_below
     from flycontrol.report.validation import Validation
     from flycontrol.report.validation_page import write_validation_report
 
-    measured = {} if data is None else files_below(data)
-    findings = [_finding(analysis, end, reports, out, data) for analysis, end in zip(found.analyses, ends, strict=True)]
+    findings = [
+        _finding(analysis, end, reports, out, measured.folder)
+        for analysis, end in zip(found.analyses, ends, strict=True)
+    ]
     validation = Validation(
         findings=tuple(sorted(findings, key=lambda finding: finding.name)),
         left_out=found.left_out,
-        data=tuple(sorted({name.partition("/")[0] for name in measured if "/" in name})),
-        data_sha256=digest_of(measured) if measured else "",
+        data=measured.names,
+        data_sha256=measured.sha256,
     )
     write_validation_report(validation, out, command="flycontrol validate")
     return [f"{finding.name} could not be run: {finding.failure}" for finding in validation.failed]

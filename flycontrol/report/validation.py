@@ -22,6 +22,9 @@ SECTIONS = {
 BESIDE = 0  #: number of what stands in no section
 _OF_FIGURE = {1: 2, 2: 2, 3: 3, 4: 4, 5: 4, 6: 5, 7: 6, 8: 6}
 _OF_EQUATION = {1: 4, 2: 4, 3: 4, 4: 4, 5: 4, 6: 6, 7: 7, 8: 7}
+_VERBS: dict[Verdict, tuple[str, str]] = {
+    "agrees": ("agrees", "agree"), "roughly": ("agrees roughly", "agree roughly"), "fails": ("fails", "fail"),
+}  # fmt: skip
 _PLACES = (
     (re.compile(r"sections? (\d)"), {number: number for number in SECTIONS}),
     (re.compile(r"Figs?\. ?(\d)"), _OF_FIGURE),
@@ -99,14 +102,19 @@ def summary(validation: Validation) -> str:
     """Count agreement and failure in a sentence or two."""
     count = tally(validation.rows)
     judged = sum(count[verdict] for verdict in ("agrees", "roughly", "fails", "cannot be told"))
+    agree, roughly, fail = (_counted(count[verdict], *words) for verdict, words in _VERBS.items())
     sentence = (
-        f"Of {judged} claims and numbers of the review and its sources, {count['agrees']} agree with what the package "
-        f"finds, {count['roughly']} agree roughly and {count['fails']} fail"
+        f"Of {judged} claims and numbers of the review and its sources, {agree} with what the package finds, {roughly} "
+        f"and {fail}"
     )
     sentence += f"; {count['cannot be told']} cannot be told." if count["cannot be told"] else "."
     if count["shown here"]:
-        sentence += f" {count['shown here']} more go beyond the review."
+        sentence += f" {_counted(count['shown here'], 'more goes', 'more go')} beyond the review."
     if validation.failed:
         names = ", ".join(finding.name for finding in validation.failed)
         sentence += f" {len(validation.failed)} of {len(validation.findings)} analyses could not be run: {names}."
     return sentence
+
+
+def _counted(number: int, one: str, many: str) -> str:
+    return f"{number} {one if number == 1 else many}"
