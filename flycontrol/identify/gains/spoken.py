@@ -10,7 +10,7 @@ _EVERYDAY = {"s": ("ms", ms), "rad": ("deg", deg)}
 def spoken(value: float, unit: str, digits: int = 4) -> str:
     """Write 0.01 s as 10 ms and 0.5 rad as 28.65 deg; other units stay."""
     word, size = _EVERYDAY.get(unit, (unit, 1.0))
-    return f"{value / size:.{digits}g} {word}"
+    return f"{value / size:.{digits}g} {word}" if abs(value) < float("inf") else "unlimited"
 
 
 def spoken_range(low: float, high: float, unit: str) -> str:
@@ -20,4 +20,4 @@ def spoken_range(low: float, high: float, unit: str) -> str:
         return "of any size"
     if below or above:
         return f"up to {spoken(high, unit)}" if below else f"from {spoken(low, unit)} upwards"
-    return f"from {spoken(low, unit).rpartition(' ')[0]} to {spoken(high, unit)}"
+    return f"from {spoken(low, unit).partition(' ')[0]} to {spoken(high, unit)}"

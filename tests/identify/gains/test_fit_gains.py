@@ -9,6 +9,7 @@ from flycontrol.errors import InvalidInputError, InvalidParameterError
 from flycontrol.identify.gains.fit import fit_gains
 from flycontrol.identify.gains.model import Prior, Unknown, gain_model
 from flycontrol.identify.gains.response import yaw_response
+from flycontrol.identify.gains.spoken import spoken, spoken_range
 from flycontrol.model.trial import Trial
 from flycontrol.units import deg
 
@@ -158,3 +159,8 @@ def test_a_result_prints_its_status_and_every_estimate_on_a_line():
     delay = next(line for line in lines if line.startswith("delay"))
     assert f"{found['delay'].value * 1e3:.4g} ms (from {found['delay'].low * 1e3:.4g} to" in delay
     assert repr(found) == f"<FitResult: {found.status}>"
+
+
+def test_a_unit_of_two_words_is_said_once_in_a_range():
+    assert spoken_range(4e4, 5e4, "1/s^2 per rad") == "from 4e+04 to 5e+04 1/s^2 per rad"
+    assert spoken(np.inf, "1/s^2") == "unlimited"
