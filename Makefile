@@ -26,20 +26,6 @@ FLIGHTS := $(notdir $(basename $(wildcard $(DATA)/muijres_freeflight/2*.txt)))
 
 reports: report
 	$(BIN)/flycontrol validate --out reports/validation --reports reports || [ $$? -eq 1 ]
-	$(BIN)/python analyses/late_but_in_time.py
-	$(BIN)/python analyses/nominal_gains.py
-	$(BIN)/python analyses/pade_or_exact.py
-	$(BIN)/python analyses/p_or_pd.py
-	$(BIN)/python analyses/is_yaw_control_fast_enough.py
-	$(BIN)/python analyses/does_hover_hold.py
-	$(BIN)/python analyses/flutter_or_tumble.py
-	$(BIN)/python analyses/turn_angle_from_paddling.py
-	$(BIN)/python analyses/recovery_at_two_levels.py
-	$(BIN)/python analyses/fit_the_simulated_fly.py
-	[ ! -d $(DATA)/robofly_polars ] || $(BIN)/python analyses/wings_against_nature.py
-	[ ! -d $(DATA)/muijres_freeflight ] || $(BIN)/python analyses/hinge_as_a_spring.py
-	[ ! -d $(DATA)/muijres_freeflight ] || $(BIN)/python analyses/which_angle_turns_the_fly.py
-	if [ -n "$(FLIGHTS)" ]; then for note in $(REPLAYS); do $(BIN)/python analyses/$$note.py || exit 1; done; fi
 	for flight in $(FLIGHTS); do $(BIN)/flycontrol report --parameters drosophila_hydei --mapping muijres_freeflight \
 	  --recording $(DATA)/muijres_freeflight/$$flight.txt --out reports/flights/$$flight || exit 1; done
 
