@@ -1,0 +1,102 @@
+"""The first instant: a fly found in its silhouettes without knowing where it was before."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt
+
+from flycontrol.errors import InvalidInputError
+from flycontrol.model.pose import Pose
+from flycontrol.units import deg
+from flycontrol.vision.fit_shape import FitShape
+from flycontrol.vision.hull import VisualHull
+from flycontrol.vision.silhouette_fit import Leash, SilhouetteFit, fit_silhouettes, silhouette_cost
+from flycontrol.vision.soft_silhouette import BorderDistance
+from flycontrol.vision.stance import Stance, stances_of, step_between
+
+FloatArray = NDArray[np.float64]
+
+_THICK = 0.6  #: of the greatest depth inside the hull: deeper voxels are the body's core
+_COARSE = 4.0  #: softness of the search [px]
+_KEPT = 12  #: of the guesses, fitted
+_APART = 25 * deg  #: guesses nearer than that in all turns are one
+#: The search looks for a fly upright to this extent, whose wings are about mirror images of one another.
+_ROLLS = np.arange(-60, 61, 20) * deg
+_STROKES, _DEVIATIONS = np.array([-75, -50, -25, 0, 25, 50, 70]) * deg, np.array([-20, 5, 30]) * deg
+_PITCHES = np.array([40, 90, 140]) * deg
+#: Seen at the first instant, nothing is expected yet.
+_FREE = Leash(body=180 * deg, wing=180 * deg)
+
+
+def acquire(hull: VisualHull, border: BorderDistance, shape: FitShape, stroke_plane_angle: float) -> SilhouetteFit:
+    """The best of the fits that start from the most likely of a grid of poses about the thick core of a hull.
+
+    The world's z points up, and the fly's back does too, within some 60 deg of roll.
+
+    Parameters
+    ----------
+    hull : at a few pixels to the voxel
+    border : of the silhouettes
+    shape : of the fly
+    stroke_plane_angle : v_S = Ry(angle) v_B [rad]
+
+    Raises
+    ------
+    InvalidInputError
+        If the hull is empty.
+    """
+    if len(hull) < 8:
+        raise InvalidInputError("The silhouettes contradict one another: their hull is empty; check the cameras.")
+    bodies = list(_bodies(hull, shape))
+    guesses = list(_with_wings(bodies, shape, stroke_plane_angle))
+    order = np.argsort([silhouette_cost(border, shape, guess, _COARSE) for guess in guesses])
+    fits = [
+        fit_silhouettes(border, shape, guess, softness=(_COARSE, 2.0), leash=_FREE)
+        for guess in _different([guesses[k] for k in order])
+    ]
+    best = min(fits, key=lambda fit: fit.agreement.cost)
+    return fit_silhouettes(border, shape, best.stance, leash=_FREE)
+
+
+def _bodies(hull: VisualHull, shape: FitShape) -> Iterator[Stance]:
+    """Stances with the body along the core of the hull, either end ahead, rolled this way and that."""
+    core = _core(hull)
+    middle = core.mean(axis=0)
+    axis = np.linalg.eigh((core - middle).T @ (core - middle))[1][:, -1]
+    for sign, roll in product((1.0, -1.0), _ROLLS):
+        forward = sign * axis
+        pitch, yaw = np.arcsin(np.clip(forward[2], -1, 1)), np.arctan2(-forward[1], forward[0])
+        X = np.concatenate([middle, [yaw, pitch, roll], np.zeros(6), shape.bases_B.ravel()])
+        yield stances_of(Pose(coordinates=X[None], stroke_plane_angle=0.0))[0]
+
+
+def _core(hull: VisualHull) -> FloatArray:
+    low = hull.indices.min(axis=0) - 1
+    grid = np.zeros(hull.indices.max(axis=0) - low + 2, dtype=np.bool_)
+    grid[tuple((hull.indices - low).T)] = True
+    depth = np.asarray(distance_transform_edt(grid))[tuple((hull.indices - low).T)]
+    return hull.centres[depth >= _THICK * np.percentile(depth, 99.5)]
+
+
+def _with_wings(bodies: Sequence[Stance], shape: FitShape, stroke_plane_angle: float) -> Iterator[Stance]:
+    angles = np.array(list(product(_STROKES, _DEVIATIONS, _PITCHES)))
+    X = np.hstack([np.zeros((len(angles), 6)), angles, angles, np.tile(shape.bases_B.ravel(), (len(angles), 1))])
+    pairs = [stance.wings_B for stance in stances_of(Pose(coordinates=X, stroke_plane_angle=stroke_plane_angle))]
+    for body, wings in product(bodies, pairs):
+        yield replace(body, wings_B=wings)
+
+
+def _different(guesses: Sequence[Stance]) -> list[Stance]:
+    """The first guesses of an order that are no near repetitions of one before them."""
+    kept: list[Stance] = []
+    for guess in guesses:
+        if all(np.max(np.abs(step_between(other, guess)[3:12])) > _APART for other in kept):
+            kept.append(guess)
+        if len(kept) == _KEPT:
+            break
+    return kept

@@ -1,0 +1,171 @@
+"""One fly, one frame on: expected, fitted or read off its hull, believed or bridged."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from flycontrol.errors import InvalidInputError
+from flycontrol.model.camera import Camera
+from flycontrol.units import deg
+from flycontrol.vision.acquire import acquire
+from flycontrol.vision.first_pose import MARGIN, Masks, fine_hull
+from flycontrol.vision.fit_shape import FitShape, fit_shape
+from flycontrol.vision.fly_shape import FlyShape
+from flycontrol.vision.hull_stance import stance_of_hull
+from flycontrol.vision.prediction import drifted, expectations, tempered
+from flycontrol.vision.silhouette_fit import Agreement, SilhouetteFit, agreement, fit_silhouettes, silhouette_cost
+from flycontrol.vision.soft_silhouette import BorderDistance, border_distance
+from flycontrol.vision.stance import MOVE, Stance
+from flycontrol.vision.tracked_frame import TrackedFrame
+from flycontrol.vision.views import BoolArray, views_of
+
+FloatArray = NDArray[np.float64]
+
+_MEMORY = 40  #: frames whose costs tell what is usual: about a wingbeat at 8,000 frames a second
+_STRANGE, _WRONG = 1.5, 2.5  #: times the usual cost: look again; do not believe (C)
+_LEAST_PRECISION = 0.7  #: of the fly's pixels on each silhouette (C)
+_TWIST = 55 * deg  #: by which a wing is turned about its span when it is looked for again
+_LONGEST_BRIDGE = 40  #: frames
+_PATIENCE = 10  #: frames from one search for a lost fly to the next
+_BIAS = 0.2  #: of positions, by legs and the like [px] (C)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fly:
+    """What must be known of a fly to follow it."""
+
+    shape: FlyShape
+    stroke_plane_angle: float  #: v_S = Ry(angle) v_B [rad]
+
+
+@dataclass(slots=True, kw_only=True)
+class Follower:
+    """The stances behind, and what fits used to cost: all that is remembered, however long the flight."""
+
+    cameras: Sequence[Camera]
+    fly: Fly
+    refine: bool
+    start: SilhouetteFit | None
+    past: deque[Stance] = field(default_factory=lambda: deque(maxlen=3))
+    costs: deque[float] = field(default_factory=lambda: deque(maxlen=_MEMORY))
+    covariance: FloatArray = field(default_factory=lambda: np.zeros((18, 18)))
+    unseen: int = 0  #: frames since the fly was last seen
+
+    def follow(self, masks: Masks) -> TrackedFrame:
+        """The fly in one more frame; InvalidInputError if the images do not fit the cameras."""
+        shape = fit_shape(self.fly.shape)
+        try:
+            border = border_distance(views_of(masks, self.cameras), MARGIN)
+        except InvalidInputError as empty:
+            return self._bridged(str(empty), None)
+        if not self.past and self.unseen > _LONGEST_BRIDGE and self.unseen % _PATIENCE == 0:
+            self._look_afresh(masks, border, shape)
+        if not self.past:
+            if self.start is None:
+                return self._bridged("the fly was lost before, and is not found again here", None)
+            self.past.append(self.start.stance)
+        found = self._refined(masks, border, shape) if self.refine else self._read(masks, border, shape)
+        if found is None:
+            return self._bridged("the silhouettes contradict one another: their hull is not a whole fly", None)
+        seen = found.agreement
+        if seen.cost > _WRONG * self._usual(seen.cost) or np.min(seen.precision) < _LEAST_PRECISION:
+            return self._bridged("no stance near the expected one fits these silhouettes", seen)
+        return self._believed(found, masks)
+
+    def _usual(self, otherwise: float) -> float:
+        return float(np.median(self.costs)) if self.costs else otherwise
+
+    def _refined(self, masks: Masks, border: BorderDistance, shape: FitShape) -> SilhouetteFit:
+        expected = _likeliest(expectations(list(self.past), shape.bases_B), border, shape)
+        best = fit_silhouettes(border, shape, expected, expected=expected)
+        if best.agreement.cost < _STRANGE * self._usual(best.agreement.cost):
+            return best
+        starts = list(_twisted(best.stance))
+        hull = fine_hull(masks, self.cameras, shape)
+        if len(hull):
+            starts.append(stance_of_hull(hull, expected, self.fly.shape, self.fly.stroke_plane_angle).stance)
+        fits = [best, *(fit_silhouettes(border, shape, start, expected=expected) for start in starts)]
+        return min(fits, key=lambda fit: fit.agreement.cost)
+
+    def _read(self, masks: Masks, border: BorderDistance, shape: FitShape) -> SilhouetteFit | None:
+        expected = self._expected(shape)
+        hull = fine_hull(masks, self.cameras, shape)
+        if not len(hull):
+            return None
+        read = stance_of_hull(hull, expected, self.fly.shape, self.fly.stroke_plane_angle)
+        if not read.dissection.complete:
+            return None
+        seen = agreement(border, shape, read.stance)
+        return SilhouetteFit(
+            stance=read.stance, covariance=read.covariance, agreement=seen, converged=True, iterations=0
+        )
+
+    def _believed(self, found: SilhouetteFit, masks: Masks) -> TrackedFrame:
+        bases = fit_shape(self.fly.shape).bases_B
+        self.past.append(found.stance if self.refine else tempered(self.past[-1], found.stance, bases))
+        self.costs.append(found.agreement.cost)
+        self.unseen, self.covariance = 0, self._with_bias(found)
+        cut = [camera.name for camera, mask in zip(self.cameras, masks, strict=True) if _touches_edge(mask)]
+        return TrackedFrame(
+            stance=found.stance,
+            covariance=self.covariance,
+            status="partial" if cut else "tracked",
+            reason=f"the silhouette reaches the border of the image of {', '.join(cut)}" if cut else "",
+            agreement=found.agreement,
+        )
+
+    def _with_bias(self, found: SilhouetteFit) -> FloatArray:
+        covariance = found.covariance.copy()
+        scale = np.mean([camera.pixels_per_metre(found.stance.position_W[None])[0] for camera in self.cameras])
+        covariance[MOVE, MOVE] += np.eye(3) * (_BIAS / scale) ** 2
+        return covariance
+
+    def _expected(self, shape: FitShape) -> Stance:
+        return expectations(list(self.past)[-2:], shape.bases_B)[0]
+
+    def _bridged(self, reason: str, seen: Agreement | None) -> TrackedFrame:
+        self.unseen += 1
+        if self.start is not None and not self.past:
+            self.past.append(self.start.stance)
+        if not self.past or self.unseen > _LONGEST_BRIDGE:
+            self.past.clear()
+            self.start, nothing = None, np.full((18, 18), np.nan)
+            return TrackedFrame(stance=None, covariance=nothing, status="lost", reason=reason, agreement=seen)
+        expected = self._expected(fit_shape(self.fly.shape))
+        self.past.append(expected)
+        self.covariance = drifted(self.covariance)
+        return TrackedFrame(
+            stance=expected, covariance=self.covariance, status="bridged", reason=reason, agreement=seen
+        )
+
+    def _look_afresh(self, masks: Masks, border: BorderDistance, shape: FitShape) -> None:
+        hull = fine_hull(masks, self.cameras, shape)
+        found = acquire(hull, border, shape, self.fly.stroke_plane_angle) if len(hull) else None
+        fits = found is not None and found.agreement.cost < _STRANGE * self._usual(np.inf)
+        self.start = found if fits else None
+
+
+def _likeliest(stances: list[Stance], border: BorderDistance, shape: FitShape) -> Stance:
+    if len(stances) == 1:
+        return stances[0]
+    return min(stances, key=lambda stance: silhouette_cost(border, shape, stance, 2.5))
+
+
+def _twisted(stance: Stance) -> Iterator[Stance]:
+    """The stance with one wing turned about its span, one way and the other."""
+    for side in (0, 1):
+        for sign in (1.0, -1.0):
+            turn = Rotation.from_rotvec(sign * _TWIST * stance.wings_B[side][:, 0]).as_matrix()
+            wings = stance.wings_B.copy()
+            wings[side] = turn @ wings[side]
+            yield replace(stance, wings_B=wings)
+
+
+def _touches_edge(mask: BoolArray) -> bool:
+    return bool(mask[0].any() or mask[-1].any() or mask[:, 0].any() or mask[:, -1].any())

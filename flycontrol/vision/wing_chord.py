@@ -1,0 +1,43 @@
+"""The chord of a wing from the cross-section of its part of the hull."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import ConvexHull, QhullError
+
+FloatArray = NDArray[np.float64]
+
+_SAME_WAY = np.cos(np.radians(30.0))  #: diagonals nearer to each other than this count as one (C)
+_RIVAL = 0.75  #: of the longest diagonal: a shorter one is no chord (C)
+
+
+def diagonal(section: FloatArray, expected: FloatArray) -> FloatArray | None:
+    """Unit vector (2,) along the diagonal of points (N, 2) that is the chord, on the side of the expected one (2,).
+
+    A plate seen by few cameras has a parallelogram for the cross-section of its hull, and the plate is one of the two
+    diagonals, mostly the longer one. Where both are about as long, the one nearer to the expected chord is taken. None
+    if the points lie on a line or are too few.
+    """
+    corners = _corners(section)
+    if corners is None:
+        return None
+    ways = corners[:, None] - corners[None]
+    lengths = np.linalg.norm(ways, axis=2)
+    first = np.unravel_index(int(np.argmax(lengths)), lengths.shape)
+    best = ways[first] / lengths[first]
+    other = np.abs(ways @ best) < _SAME_WAY * lengths
+    second = np.unravel_index(int(np.argmax(np.where(other, lengths, 0.0))), lengths.shape)
+    if other[second] and lengths[second] > _RIVAL * lengths[first]:
+        rival = ways[second] / lengths[second]
+        best = rival if abs(rival @ expected) > abs(best @ expected) else best
+    return best if best @ expected >= 0 else -best
+
+
+def _corners(section: FloatArray) -> FloatArray | None:
+    if len(section) < 4:
+        return None
+    try:
+        return section[ConvexHull(section).vertices]
+    except QhullError:
+        return None

@@ -1,0 +1,144 @@
+import numpy as np
+import pytest
+from drawn_flights import BARE, CAMERAS, SCALE, STROKE_PLANE, apart, drawn, turning_flight
+
+from flycontrol.errors import InvalidInputError
+from flycontrol.model.pose import Pose
+from flycontrol.units import deg
+from flycontrol.vision.first_pose import first_pose
+from flycontrol.vision.fit_shape import fit_shape
+from flycontrol.vision.follower import Fly, Follower
+from flycontrol.vision.silhouette_fit import Agreement, SilhouetteFit
+from flycontrol.vision.size_fit import Sizes, fitted_sizes, resized
+from flycontrol.vision.soft_silhouette import border_distance
+from flycontrol.vision.stance import pose_of, stances_of
+from flycontrol.vision.track import track
+from flycontrol.vision.tracked_frame import gathered
+from flycontrol.vision.views import views_of
+
+FLY = Fly(shape=BARE, stroke_plane_angle=STROKE_PLANE)
+AIMS = np.array([1, 1, 3, 2, 2, 5, 2, 2, 5]) * deg  #: yaw, pitch, roll; stroke, deviation, pitch of the wings
+
+
+def rms(values):
+    return np.sqrt(np.mean(np.square(values), axis=0))
+
+
+def known(stance):
+    nothing = Agreement(cost=np.inf, overlap=np.zeros(3), precision=np.zeros(3))
+    return SilhouetteFit(
+        stance=stance, covariance=np.zeros((18, 18)), agreement=nothing, converged=True, iterations=0
+    )  # fmt: skip
+
+
+def followed(frames, pose, **kwargs):
+    follower = Follower(
+        cameras=CAMERAS, fly=FLY, start=known(stances_of(pose[0])[0]), **{"refine": True, **kwargs}
+    )  # fmt: skip
+    return gathered((follower.follow(masks) for masks in frames), STROKE_PLANE, 3)
+
+
+@pytest.fixture(scope="module")
+def short():
+    pose = turning_flight(1)[:12]
+    return pose, drawn(pose)
+
+
+def test_a_fly_is_followed_within_the_aims(short):
+    pose, frames = short
+    found = followed(frames, pose)
+    away = apart(found.pose, pose)
+    assert found.status == ("tracked",) * len(pose)
+    assert np.all(rms(away[:, 3:12]) < AIMS)
+    assert np.max(np.abs(away[:, :3])) < 1 / SCALE
+
+
+def test_an_empty_frame_is_bridged_with_more_uncertainty_and_the_fly_found_again(short):
+    pose, frames = short
+    broken = list(frames)
+    broken[6] = (np.zeros_like(frames[6][0]), *frames[6][1:])
+    found = followed(broken, pose)
+    assert found.status[6] == "bridged"
+    assert "empty" in found.reasons[6]
+    assert found.status[7:] == ("tracked",) * 5
+    assert np.all(found.uncertainty[6] > found.uncertainty[5])
+    assert np.max(np.abs(apart(found.pose, pose)[6, 3:6])) < 3 * deg
+
+
+def test_a_frame_of_another_animal_is_not_believed(short):
+    pose, frames = short
+    broken = list(frames)
+    broken[6] = tuple(np.roll(mask, 60, axis=1) for mask in frames[6])
+    found = followed(broken, pose)
+    assert found.status[6] == "bridged"
+    assert found.status[-1] == "tracked"
+
+
+def test_a_fly_that_stays_away_is_lost_and_has_no_coordinates(short):
+    pose, frames = short
+    empty = tuple(np.zeros_like(mask) for mask in frames[0])
+    found = followed([*frames[:3], *[empty] * 45], pose)
+    assert found.status[-1] == "lost"
+    assert np.all(np.isnan(found.pose.coordinates[-1]))
+    assert np.all(np.isnan(found.uncertainty[-1]))
+
+
+def test_a_fly_cut_by_the_border_is_marked(short):
+    pose, frames = short
+    cut = [tuple(mask.copy() for mask in masks) for masks in frames[:2]]
+    cut[1][0][0, :] = False
+    cut[1][0][0, 128] = True
+    found = followed(cut, pose)
+    assert found.status[1] in ("partial", "bridged")
+    assert found.reasons[1]
+
+
+def test_the_first_pose_is_found_without_a_hint(short):
+    pose, frames = short
+    start = first_pose(frames[:1], CAMERAS, fit_shape(BARE), STROKE_PLANE)
+    away = apart(pose_of([start.fit.stance], STROKE_PLANE), pose[start.frame])
+    assert np.all(np.abs(away[0, 3:12]) < 2 * AIMS)
+
+
+def test_a_recording_without_a_fly_is_refused(short):
+    empty = tuple(np.zeros_like(mask) for mask in short[1][0])
+    with pytest.raises(InvalidInputError, match="No fly was found"):
+        track([empty] * 3, CAMERAS, FLY)
+    assert len(track([], CAMERAS, FLY)) == 0
+
+
+def test_sizes_of_a_fly_come_back():
+    larger = resized(BARE, Sizes(body_length=1.08, body_radius=0.95, wing_length=0.93, wing_chord=1.06))
+    some = turning_flight(1)[::12]
+    X = some.coordinates.copy()
+    X[:, 12:15], X[:, 15:18] = larger.right_base_B * [1, -1, 1], larger.right_base_B
+    some = Pose(coordinates=X, stroke_plane_angle=STROKE_PLANE)
+    seen = [
+        (border_distance(views_of(masks, CAMERAS), 20), stance)
+        for masks, stance in zip(drawn(some, shape=larger), stances_of(some), strict=True)
+    ]
+    sizes = fitted_sizes(BARE, seen).sizes
+    assert sizes.body_length == pytest.approx(1.08, abs=0.02)
+    assert sizes.body_radius == pytest.approx(0.95, abs=0.02)
+    assert sizes.wing_length == pytest.approx(0.93, abs=0.02)
+    assert sizes.wing_chord == pytest.approx(1.06, abs=0.02)
+
+
+@pytest.mark.slow
+def test_ten_wingbeats_of_a_turn_with_legs_are_tracked_without_a_hint_and_without_a_swap():
+    pose = turning_flight(10)
+    found = track(drawn(pose), CAMERAS, FLY)
+    away = apart(found.pose, pose)
+    assert found.status == ("tracked",) * len(pose)
+    assert np.all(rms(away[:, 3:12]) < AIMS)
+    assert np.max(np.abs(away[:, 6:8])) < 15 * deg  # a swap of wings would be some 20 deg and more here
+    assert rms(away[:, :3]).max() < 0.5 / SCALE
+
+
+@pytest.mark.slow
+def test_the_hull_alone_keeps_left_and_right_over_three_wingbeats():
+    pose = turning_flight(3)
+    found = track(drawn(pose), CAMERAS, FLY, refine=False)
+    away = apart(found.pose, pose)[found.believed]
+    assert np.mean(found.believed) > 0.95
+    assert np.all(np.median(np.abs(away[:, 3:12]), axis=0) < 10 * deg)
