@@ -45,7 +45,7 @@ def test_torques_of_all_flights_are_right_in_size_and_forces_fall_short(notes, t
     assert all(a.slope.low < 1 < a.slope.high for a in together.torques)
     assert all(a.correlation.low > 0 for a in together.torques)
     assert all(2 / 3 < flight.lift_over_need < 1 for flight in singles)
-    assert len(written(tmp_path, "replayed_flights")) == 4
+    assert len(written(tmp_path, "replayed_flights")["flights"]) == 4
 
 
 def test_no_single_suspect_but_inertia_counter_torque_and_signs_takes_the_yaw_away(notes, tmp_path):
@@ -60,7 +60,7 @@ def test_no_single_suspect_but_inertia_counter_torque_and_signs_takes_the_yaw_aw
         "wings do not feel the body turn",
         "without the last ten wingbeats",
     }
-    assert len(written(tmp_path, "why_crude_replays_miss_yaw")) == len(rows)
+    assert len(written(tmp_path, "why_crude_replays_miss_yaw")["rows"]) == len(rows)
 
 
 def test_a_perfect_model_loses_correlation_with_jitter_and_keeps_its_slope(notes, tmp_path):
