@@ -12,11 +12,10 @@ from numpy.typing import NDArray
 from flycontrol.flight.aerodynamics import FlightLoads
 from flycontrol.flight.experiments import PlannedFlight
 from flycontrol.flight.multibody.inverse import inverse_dynamics
-from flycontrol.flight.quadrature_error import QuadratureError, estimate_quadrature_error
 from flycontrol.flight.wing_loads import loads_along
 from flycontrol.flight.wingbeat_means import WingbeatMeans, wingbeat_means
 from flycontrol.model.stroke import WingMotion
-from flycontrol.model.trajectory import StepError, Trajectory, rotation_matrices, wing_rates
+from flycontrol.model.trajectory import QuadratureError, StepError, Trajectory, rotation_matrices, wing_rates
 
 FloatArray = NDArray[np.float64]
 
@@ -90,9 +89,7 @@ class FlightRecorder:
             sieve.add(piece, start, again=again)
         if self._last is None:
             self._step_error = piece.step_error
-            if piece.wingbeats:
-                one = taken(piece, np.arange(self._per_beat))
-                self._quadrature = estimate_quadrature_error(self._planned.plan.fly, one)
+            self._quadrature = piece.quadrature_error
         self._beats.add(wingbeat_means(self._planned.plan.fly, piece))
         self._last = piece
 

@@ -30,11 +30,11 @@ def end_of_flight(before: Result, piece: Trajectory) -> Result:
     status, wingbeats = piece.status, piece.wingbeats
     if not len(piece.time):
         return {**before, "status": status} if isinstance(before, dict) else {"status": status, "wingbeats": wingbeats}
-    return {
-        "position_W": piece.position_W[-1],
-        "q_WS": piece.q_WS[-1],
-        "velocity_S": piece.velocity_S[-1],
-        "angular_velocity_S": piece.angular_velocity_S[-1],
+    return {  # copies: a view would keep the whole piece
+        "position_W": piece.position_W[-1].copy(),
+        "q_WS": piece.q_WS[-1].copy(),
+        "velocity_S": piece.velocity_S[-1].copy(),
+        "angular_velocity_S": piece.angular_velocity_S[-1].copy(),
         "wingbeats": wingbeats,
         "status": status,
     }

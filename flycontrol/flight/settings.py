@@ -16,7 +16,7 @@ class MarchSettings:
     steps: int = 200  #: RK4 steps a wingbeat, even
     samples: int = 50  #: stored instants a wingbeat; divides `steps`
     tolerance: float = 1e-3  #: largest estimated error of attitude and free wing angles after one wingbeat [rad]
-    estimate_error: bool = True  #: repeat the first wingbeat with half the steps
+    estimate_error: bool = True  #: repeat the first wingbeat with half the steps, its loads with many blades
     chunk: int = 50  #: wingbeats between which results are handed on
 
     def __post_init__(self) -> None:

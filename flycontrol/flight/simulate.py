@@ -10,14 +10,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from flycontrol.errors import InvalidParameterError
 from flycontrol.flight.flapping_fly import FlappingFly
 from flycontrol.flight.pulses import BodyPulse
 from flycontrol.flight.settings import MarchSettings
 from flycontrol.flight.wingbeats import March, Steering
-from flycontrol.model.stroke import WingMotion
 from flycontrol.model.stroke_kinematics import StrokeKinematics
 from flycontrol.model.trajectory import FlightState, Trajectory
 
@@ -60,8 +57,9 @@ def simulate_flight(
     InvalidParameterError
         The step is too coarse for the tolerance (with the number of steps that would do), or an input is impossible.
     """
-    chunks = list(flight_chunks(fly, stroke, wingbeats, start=start, pulses=pulses, settings=settings))
-    return joined(chunks)
+    at_once = replace(settings or MarchSettings(), chunk=max(wingbeats, 1))  # everything is kept anyway
+    (flight,) = flight_chunks(fly, stroke, wingbeats, start=start, pulses=pulses, settings=at_once)
+    return flight
 
 
 def flight_chunks(
@@ -86,25 +84,3 @@ def flight_chunks(
         yield chunk
         if not chunk.complete:
             return
-
-
-def joined(chunks: Sequence[Trajectory]) -> Trajectory:
-    """Pieces of one flight, each beginning where the one before it ended, as a single trajectory."""
-    arrays = {name: _in_line([getattr(chunk, name) for chunk in chunks]) for name in _ARRAYS}
-    left, right = (
-        WingMotion(**{
-            name: _in_line([getattr(chunk.wing(side), name) for chunk in chunks]) for name in WingMotion.__slots__
-        })
-        for side in ("left", "right")
-    )  # fmt: skip
-    return replace(chunks[-1], **arrays, left=left, right=right, step_error=chunks[0].step_error)
-
-
-_ARRAYS = (
-    "time", "phase", "position_W", "q_WS", "velocity_S", "angular_velocity_S", "acceleration_S",
-    "angular_acceleration_S", "left_acceleration", "right_acceleration",
-)  # fmt: skip
-
-
-def _in_line(pieces: Sequence[np.ndarray]) -> np.ndarray:
-    return np.concatenate([*(piece[:-1] for piece in pieces[:-1]), pieces[-1]])

@@ -93,6 +93,12 @@ def samples_of(trajectory: Trajectory) -> FloatArray:
     ]))  # fmt: skip
 
 
+def first_wingbeat(samples: FloatArray, frequency: float, samples_per_wingbeat: int) -> Trajectory:
+    """What was stored of it, (n, 37) with n at most `samples_per_wingbeat`; its end is not a part."""
+    phase = np.arange(len(samples)) / samples_per_wingbeat
+    return trajectory_of(samples, phase, frequency, samples_per_wingbeat)
+
+
 def trajectory_of(samples: FloatArray, phase: FloatArray, frequency: float, samples_per_wingbeat: int) -> Trajectory:
     """Trajectory from the march's samples (N, 37) at phases (N,) [wingbeats]."""
     s = samples

@@ -1,4 +1,4 @@
-"""What the step costs: one wingbeat repeated with half the steps."""
+"""What the step costs: the first wingbeat repeated with half the steps."""
 
 from __future__ import annotations
 
@@ -18,41 +18,48 @@ FloatArray = NDArray[np.float64]
 _ORDER = 4
 
 
-def estimate_step_error(
-    y: FloatArray,
-    drive: FloatArray,
-    step: float,
-    outside: FloatArray,
-    constants: Constants,
-    settings: MarchSettings,
-) -> StepError:
-    """|x(2 h) - x(h)| / 15 at the end of one wingbeat from y; InvalidParameterError when it exceeds the tolerance.
+def coarse_end(
+    start: FloatArray, drive: FloatArray, step: float, outside: FloatArray, constants: Constants
+) -> FloatArray:
+    """State (25,) after one wingbeat of steps 2 h.
 
     Parameters
     ----------
-    y : (25,) state at the wingbeat's beginning, not changed
-    drive : (2 n + 1, 2, 12)
+    start : (25,) state at its beginning, not changed
+    drive : (2 n + 1, 2, 12) for steps of h
     step : h [s]
     outside : (n, 6)
     """
-    fine = _end(y, drive, step, outside, constants)
-    coarse = _end(y, drive[::2], 2 * step, (outside[::2] + outside[1::2]) / 2, constants)
+    y, half = start.copy(), every_second(outside)
+    coarsely = np.ascontiguousarray(drive[::2])  # strides of another kind would compile the march once more
+    march(y, coarsely, 2 * step, half, len(half), *constants.arguments, np.empty((1, SAMPLE)))
+    return y
+
+
+def every_second(outside: FloatArray) -> FloatArray:
+    """(n / 2, ...) mean loads over two steps from (n, ...)."""
+    return (outside[::2] + outside[1::2]) / 2
+
+
+def step_error_between(coarse: FloatArray, fine: FloatArray, step: float, settings: MarchSettings) -> StepError:
+    """|x(2 h) - x(h)| / 15; InvalidParameterError when it exceeds the tolerance.
+
+    Parameters
+    ----------
+    coarse, fine : (25,) state after one wingbeat of steps 2 h and h, or (13,) its part of the body alone
+    step : h [s]
+    settings : steps a wingbeat, tolerance
+    """
     apart = (coarse - fine) / (2**_ORDER - 1)
     error = StepError(
         position=_length(apart[:QUATERNION]),
         velocity=_length(apart[VELOCITY:SPIN]),
         attitude=2 * _length(apart[QUATERNION:VELOCITY]),
         angular_velocity=_length(apart[SPIN:LEFT]),
-        wing_angle=float(np.max(np.abs(apart[LEFT:LEFT_RATE]))),
+        wing_angle=float(np.max(np.abs(apart[LEFT:LEFT_RATE]), initial=0.0)),
     )
     _refuse_coarse(error, step, settings)
     return error
-
-
-def _end(y: FloatArray, drive: FloatArray, step: float, outside: FloatArray, constants: Constants) -> FloatArray:
-    end = y.copy()
-    march(end, drive, step, outside, len(outside), *constants.arguments, np.empty((1, SAMPLE)))
-    return end
 
 
 def _length(vector: FloatArray) -> float:

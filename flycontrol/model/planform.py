@@ -6,6 +6,7 @@ Its moments are integrals of c(r)^m r^n dr, m = 1: area; m = 2, 3, 4: rotation, 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,10 +74,13 @@ class Planform:
         x, width = _between_rows(self.table)
         return _table_chord(fraction, self.table) * (self.mean_chord / np.sum(_table_chord(x, self.table) * width))
 
+    # kept, since the flies of an ensemble share few outlines
+    @lru_cache(maxsize=1024)  # noqa: B019 (bounded, and an outline is a small value)
     def moment(self, chord_power: int, radius_power: int = 0) -> float:
         """Integral of c^m r^n dr over the span [m^(m + n + 1)]."""
         return float(np.sum(self._chord**chord_power * self._radius**radius_power * self._width))
 
+    @lru_cache(maxsize=1024)  # noqa: B019
     def legendre_moment(self, chord_power: int, degree: int) -> float:
         """Integral of c^m P_k(2 r / R - 1) dr, P_k Legendre's polynomial [m^(m + 1)]."""
         shape = np.polynomial.Legendre.basis(degree)(2 * self._radius / self.length - 1)

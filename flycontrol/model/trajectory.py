@@ -44,6 +44,16 @@ class StepError:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class QuadratureError:
+    """Of the air's load on both wings in one wingbeat, with few blades less with many: the largest, and of the mean."""
+
+    force: float  #: largest at any instant, over the weight
+    torque: float  #: largest at any instant, over weight times wing length
+    mean_force: float  #: over the weight
+    mean_torque: float  #: over weight times wing length
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Trajectory:
     """A flight at N instants, evenly spaced: states and accelerations.
 
@@ -69,6 +79,7 @@ class Trajectory:
     samples_per_wingbeat: int
     status: str  #: "complete", or a sentence that says at which wingbeat it stopped and why
     step_error: StepError | None = None
+    quadrature_error: QuadratureError | None = None
 
     @property
     def complete(self) -> bool:

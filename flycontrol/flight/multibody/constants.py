@@ -62,6 +62,7 @@ def constants_of(fly: FlappingFly, frequency: float) -> Constants:
     )
 
 
+@lru_cache(maxsize=64)
 def body_constants(morphology: Morphology) -> FloatArray:
     """(10,) mass of the body without wings, its inertia (xx, xy, xz, yy, yz, zz), the right hinge."""
     inertia = morphology.inertia_S
@@ -104,12 +105,18 @@ def blade_rows(morphology: Morphology, air: QuasiSteadyModel) -> FloatArray:
     Blades without area fill up the last group of four, which is computed at once: six cost less so than with two alone.
     """
     plan = morphology.planform
-    radius = planform_blades(plan, air.nodes).radius
     steady = 0.5 * air.air_density * ("translational" in air.terms)
     rotating = air.air_density * air.rotation(morphology.pitch_axis) * ("rotational" in air.terms)
-    once, square, cube = (_weights(plan, radius, power) for power in (1, 2, 3))
+    radius, once, square, cube = _nodes_and_weights(plan, air.nodes)
     rows = np.array([radius, steady * once, steady * square, rotating * cube])
     return np.ascontiguousarray(np.pad(rows, ((0, 0), (0, -len(radius) % _LANES))))
+
+
+@lru_cache(maxsize=64)
+def _nodes_and_weights(plan: Planform, nodes: int) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Radii of the blades and their weights for c, c^2 and c^3."""
+    radius = planform_blades(plan, nodes).radius
+    return (radius, _weights(plan, radius, 1), _weights(plan, radius, 2), _weights(plan, radius, 3))
 
 
 def _weights(plan: Planform, radius: FloatArray, chord_power: int) -> FloatArray:
