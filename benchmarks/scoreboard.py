@@ -4,7 +4,7 @@ from dataclasses import asdict, dataclass
 
 LEVELS = {
     "deg": (1e-1, 1e-3, 1e-6, 1e-9), "relative": (1e-6, 1e-10), "wrong verdicts": (0,), "wrong voxels": (0,),
-    "standard errors": (1e-1, 1e-2, 1e-3),
+    "standard errors": (1e-1, 1e-2, 1e-3), "apart": (1e-1, 1e-6),
 }  # fmt: skip
 
 

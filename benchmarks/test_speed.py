@@ -26,7 +26,7 @@ US = f"flycontrol {version('flycontrol')}"
 STATED = {
     "jitcdde_response": 1e-8, "control_response": 5e-3, "scipy_response": 1e-9, "ddeint_response": 1.0,
     "control_roots": 1e-10, "tdcpy_roots": 1e-9, "qpmr_roots": 1e-10, "control_chart": 1, "tdcpy_chart": 1,
-    "numpy_hull": 1,
+    "numpy_hull": 1, "c_wing": 1e-6, "mujoco_wing": 0.06,  # rad that wings are off the stroke
     "jitcdde_fit": 1e-2, "control_fit": 0.1, "lmfit_fit": 1e4,  # lmfit's defaults are shown as they end
 }  # fmt: skip
 

@@ -60,8 +60,12 @@ def wrong_verdicts(problem, stable):
 
 def main(tool, measure):
     """Measure the problem on stdin; a measurement is a list of dictionaries with use, setting, error, run_s, best_s."""
+    write(tool, version(tool), measure(json.load(sys.stdin)))
+
+
+def write(tool, release, measured):
     rows = []
-    for row in measure(json.load(sys.stdin)):
+    for row in measured:
         row["error"] = row["error"] if math.isfinite(row["error"]) else None
         rows.append(row)
-    json.dump({"tool": tool, "version": version(tool), "rows": rows}, sys.stdout)
+    json.dump({"tool": tool, "version": release, "rows": rows}, sys.stdout)
