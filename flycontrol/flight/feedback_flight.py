@@ -21,10 +21,11 @@ from flycontrol.flight.kernels.march import SAMPLE, march, sample_now
 from flycontrol.flight.multibody.constants import constants_of
 from flycontrol.flight.multibody.freedoms import Prescribed
 from flycontrol.flight.pulses import BodyPulse, outside_loads
+from flycontrol.flight.quadrature_error import estimate_quadrature_error
 from flycontrol.flight.sensors import BodyMotion
 from flycontrol.flight.settings import MarchSettings
-from flycontrol.flight.state_vector import level_start, packed, trajectory_of
-from flycontrol.flight.step_error import estimate_step_error
+from flycontrol.flight.state_vector import first_wingbeat, level_start, packed, trajectory_of
+from flycontrol.flight.step_error import coarse_end, step_error_between
 from flycontrol.flight.wingbeats import diverged
 from flycontrol.model.hinge import SteeredSpring
 from flycontrol.model.stroke_kinematics import StrokeKinematics
@@ -168,12 +169,14 @@ class _ClosedLoop:
         steps = self.settings.steps
         drive = drive_table(self.fly, self.stroke, np.arange(2 * steps + 1) / (2 * steps))
         outside = outside_loads(self.pulses, 0.0, self.step, steps)
-        march(y.copy(), drive, self.step, outside, steps, *self.constants.arguments, self.samples[:1])
+        fine = y.copy()
+        march(fine, drive, self.step, outside, steps, *self.constants.arguments, self.samples[:1])
         self.aim = self.heading = float(headings(self.samples[:1])[0, 0])
         self._sense(0, 0)
         if not self.settings.estimate_error:
             return None
-        return estimate_step_error(y, drive, self.step, outside, self.constants, self.settings)
+        coarse = coarse_end(y, drive, self.step, outside, self.constants)
+        return step_error_between(coarse, fine, self.step, self.settings)
 
     def _march(self, y: FloatArray, first: int, count: int) -> int:
         """Steps done of those from `first` on."""
@@ -217,6 +220,9 @@ class _ClosedLoop:
         flight = trajectory_of(self.samples[:end:stride], phase, self.stroke.frequency, per_beat)
         command = self.feedback.command(self.line, phase, self.stroke.frequency)[0]
         flown = replace(flight, wingbeats=done // self.settings.steps, status=status, step_error=error)
+        if self.settings.estimate_error:
+            first = first_wingbeat(self.samples[:end:stride][:per_beat], self.stroke.frequency, per_beat)
+            flown = replace(flown, quadrature_error=estimate_quadrature_error(self.fly, first))
         return ControlledFlight(trajectory=flown, command=command)
 
 
