@@ -146,7 +146,7 @@ def trust() -> tuple[float, float]:
 # ## Blades
 #
 # Loads of both wings along the same wingbeat, and the attitude at its end when flown with so many blades. Two
-# ways to choose them: Gauss nodes for the chord's own distribution, as the simulator has them, and blades of even width.
+# ways to choose them: Gauss nodes for the chord's own distribution, as in the simulator, and blades of even width.
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -265,17 +265,18 @@ def draw_blades(ax: "Axes") -> None:
 # ## The answer
 #
 # **The order is not four.** With all terms it is 0.8 from 80 to 1,600 steps, and errors jump about; without lift and
-# drag it is 1.9, with added mass alone 4.0. The fitted C_L of 0.03 at 0 deg and 0.10 at 90 deg is not zero there, so that
-# lift does not merely bend but jumps when a blade's velocity passes through its plane or normal: first order, whatever
-# the scheme. Two hundred steps leave 8.5e-6 rad a wingbeat, 1,600 leave 5e-6: more steps buy little, and 80 leave 3e-5.
+# drag it is 1.9, with added mass alone 4.0. The fitted C_L of 0.03 at 0 deg and 0.10 at 90 deg is not zero there, so
+# that lift does not merely bend but jumps when a blade's velocity passes through its plane or normal. With the
+# coefficients `whitney2010`, whose lift vanishes at both ends, the order is 1.9 and 200 steps leave 4e-7 rad instead
+# of 8.5e-6. As it is, 80 steps leave 3e-5 and 1,600 leave 5e-6: more steps buy little.
 #
-# **The run's own estimate is too small**: it divides by 15 as fourth order would allow, and from 80 steps on the error is
-# 2.3 to 28 times as large. It is right where motion is smooth.
+# **The run's own estimate is too small**: it divides by 15 as fourth order would allow, and from 80 steps on the
+# error is 2.3 to 28 times as large.
 #
-# **Six blades are enough**: they miss 8e-6 of the weight in the mean and 3.5e-6 rad after a wingbeat, less than the steps
-# do; beyond ten blades the error stays at about 1e-6 and no longer falls. At the worst instant, while lift turns
-# round somewhere along the wing, they miss 3.4e-3, and that falls slowly for any quadrature. Blades of even width miss
-# more in the mean, 2.2e-3 at 20 and 4.4e-4 at 64.
+# **Six blades are enough**: they miss 8e-6 of the weight in the mean and 3.5e-6 rad after a wingbeat, less than the
+# steps do; beyond ten blades the error stays at about 1e-6. At the worst instant, while lift turns round somewhere
+# along the wing, they miss 3.4e-3, and that falls slowly with any number. Blades of even width miss more in the mean,
+# 2.2e-3 at 20 and 4.4e-4 at 64.
 
 
 def as_text() -> str:
