@@ -17,7 +17,7 @@ from flycontrol.report.result import finite
 
 #: What each field holds; those of one member are documented in its own `fields`.
 FIELDS = {
-    "status": "why the flies stand apart, and how many fits converged",
+    "status": "why the flies stand apart, and how many fits are usable",
     "by": "fly, or recording",
     "level": "of all intervals",
     "means": "flies beside each other, as `flies` of a pooled fit: sentences, fits, mean and spread of each unknown",

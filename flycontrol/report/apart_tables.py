@@ -45,9 +45,9 @@ def estimate_rows(study: ApartStudy) -> list[tuple[Member, Row]]:
                 cells=(
                     str(len(member.study.recordings)),
                     *(_estimate(member, kind) for kind in kinds_of(study)),
-                    "converged" if member.study.result.converged else member.study.result.status.partition(":")[0],
+                    "usable" if member.study.result.usable else member.study.result.status.partition(":")[0],
                 ),
-                mark=not member.study.result.converged,
+                mark=not member.study.result.usable,
             ),
         )
         for member in study.members

@@ -48,9 +48,9 @@ class ApartStudy:
         return self.group.effects
 
     @property
-    def converged(self) -> tuple[Member, ...]:
+    def usable(self) -> tuple[Member, ...]:
         """Those whose fit converged with everything determined."""
-        return tuple(member for member in self.members if member.study.result.converged)
+        return tuple(member for member in self.members if member.study.result.usable)
 
     @property
     def status(self) -> str:
@@ -60,9 +60,9 @@ class ApartStudy:
         why = f"each of {len(self.members)} {who} has gains of its own, as asked"
         if not self.asked and test is not None:
             why = f"the {len(self.members)} {who} differ (p = {test.p:.2g}), so each has gains of its own"
-        bad = [member.name for member in self.members if member not in self.converged]
+        bad = [member.name for member in self.members if member not in self.usable]
         rest = f"; see the status of {', '.join(bad[:6])}{' and others' if len(bad) > 6 else ''}" if bad else ""
-        return f"{why}; {len(self.converged)} of {len(self.members)} fits converged{rest}."
+        return f"{why}; {len(self.usable)} of {len(self.members)} fits are usable{rest}."
 
 
 def study_of(
