@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from flycontrol import cli
+
 ROOT = Path(__file__).parents[1]
 STATES = '''"""Is {name} so?"""
 import json, os, pathlib, sys, time
@@ -26,8 +28,9 @@ folder = pathlib.Path(sys.argv[1])
 class Place:
     """Analyses in a folder, and the command run beside it."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, monkeypatch, capsys):
         self.folder, self.log = folder, folder / "log"
+        self._patch, self._captured = monkeypatch, capsys
         (folder / "analyses").mkdir()
 
     def analysis(self, name, agreement="agrees", wait=""):
@@ -43,9 +46,13 @@ class Place:
         )  # fmt: skip
 
     def run(self, *options):
-        process = self.start(*options)
-        _, said = process.communicate(timeout=120)
-        return process.returncode, said
+        """In this process, which has loaded the package: exit status, standard error."""
+        self._patch.chdir(self.folder)
+        self._patch.delenv("FLYCONTROL_DATA", raising=False)
+        self._patch.setattr(sys, "argv", ["flycontrol", "validate", *map(str, options)])
+        with pytest.raises(SystemExit) as done:
+            cli.main()
+        return done.value.code or 0, self._captured.readouterr().err
 
     @property
     def runs(self):
@@ -53,8 +60,8 @@ class Place:
 
 
 @pytest.fixture
-def place(tmp_path):
-    return Place(tmp_path)
+def place(tmp_path, monkeypatch, capsys):
+    return Place(tmp_path, monkeypatch, capsys)
 
 
 def test_every_claim_stands_on_the_page_and_in_the_result_and_a_second_run_runs_nothing(place):
@@ -101,7 +108,7 @@ def test_an_analysis_that_fails_has_its_row_and_ends_the_command_with_status_1(p
     assert place.runs == ["good", "vague", "vague"]
 
 
-@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
+@pytest.mark.parametrize("how", [signal.SIGINT, pytest.param(signal.SIGKILL, marks=pytest.mark.slow)])
 def test_an_interrupted_run_keeps_what_is_finished_and_goes_on(place, how):
     gate = place.folder / "gate"
     place.analysis("first")
