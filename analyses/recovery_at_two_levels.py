@@ -512,6 +512,7 @@ class Claim:
     published: str
     ours: str
     agreement: str
+    basis: str = "simulated"
 
 
 def claims(found: Findings) -> list[Claim]:
@@ -555,7 +556,7 @@ def claims(found: Findings) -> list[Claim]:
             f"{100 * follows:.1f} % of the largest paddling apart", follows < 0.1,
         ),
         _claim(
-            "yaw control suffices to keep a heading", "implied",
+            "yaw control suffices to keep a heading", "implied by section 6",
             f"in free flight heading is {free.yaw_later / deg:.1f} deg and roll {free.roll_later / deg:.0f} deg off 20 "
             "wingbeats after a 5 deg pulse: roll is unstable and turns with yaw",
             abs(free.yaw_later) < 0.1 * FREE_PEAK,
@@ -564,7 +565,8 @@ def claims(found: Findings) -> list[Claim]:
 
 
 def _claim(claim: str, published: str, ours: str, holds: object) -> Claim:
-    return Claim(claim=claim, published=published, ours=ours, agreement="agrees" if holds else "fails")
+    agreement = "fails" if not holds else "shown here" if published == "not claimed" else "agrees"
+    return Claim(claim=claim, published=published, ours=ours, agreement=agreement)
 
 
 def paddling_follows(found: Findings) -> float:
