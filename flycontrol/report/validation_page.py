@@ -14,6 +14,7 @@ from flycontrol.report.validation_provenance import ValidationProvenance, valida
 from flycontrol.report.validation_result import validation_result_json
 
 _ITALIC = re.compile(r"(?<!\w)\*([^*\s][^*]*)\*(?!\w)")
+_CODE = re.compile(r"`([^`]+)`")
 _POWER = re.compile(r"\^(-?\d+)")
 
 
@@ -44,8 +45,8 @@ def validation_page(validation: Validation, origin: ValidationProvenance) -> str
 
 
 def marked(text: str) -> Markup:
-    """Text of a note as HTML: *italics* and powers, all else as it is."""
-    found = _ITALIC.sub(r"<em>\1</em>", str(escape(text)))
+    """Text of a note as HTML: *italics*, `code` and powers, all else as it is."""
+    found = _CODE.sub(r"<code>\1</code>", _ITALIC.sub(r"<em>\1</em>", str(escape(text))))
     return Markup(_POWER.sub(r"<sup>\1</sup>", found))
 
 

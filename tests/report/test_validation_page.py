@@ -95,5 +95,6 @@ def _pattern(field):
     return re.escape(field).replace(r"\*", "[^.]+") + (r"(\..*)?" if field == "provenance" else "")
 
 
-def test_notes_write_italics_and_powers():
-    assert marked("10^-12 of *D. hydei* < 3*4*5") == "10<sup>-12</sup> of <em>D. hydei</em> &lt; 3*4*5"
+def test_notes_write_italics_code_and_powers():
+    shown = marked("10^-12 of *D. hydei* < 3*4*5 by `fit`")
+    assert shown == "10<sup>-12</sup> of <em>D. hydei</em> &lt; 3*4*5 by <code>fit</code>"
