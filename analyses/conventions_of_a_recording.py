@@ -95,6 +95,7 @@ def plants(flights: list[FlightAnalysis]) -> None:
             ("coupled", turning.plant_with_coupling, turning.coupling),
         ):
             assert fit is not None
+            assert fit.paddling is not None
             history = YawHistory(
                 yaw_rate=turning.yaw_rate_at_reversals,
                 d_alpha=turning.d_alpha,

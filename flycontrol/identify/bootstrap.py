@@ -43,7 +43,7 @@ def block_bootstrap(
     quantiles = np.quantile(again, [0.975, 0.025], axis=0)
     return BootstrapIntervals(
         damping=_basic(fit.damping.value, *quantiles[:, 0]),
-        paddling=_basic(fit.paddling.value, *quantiles[:, 1]),
+        paddling=_basic(fit.paddling_or_none, *quantiles[:, 1]),
         draws=draws,
         block=block,
         seed=seed,

@@ -15,7 +15,7 @@ from flycontrol.flight.yaw_coefficients import YawCoefficients, yaw_coefficients
 from flycontrol.identify.conventions import ConventionEvidence, establish_conventions, frame_sentence
 from flycontrol.identify.motion import body_motion, required_torque
 from flycontrol.identify.turns import TurnIdentification, identify_turns, turn_sentence
-from flycontrol.identify.yaw_plant import Estimate, explained
+from flycontrol.identify.yaw_plant import Estimate, YawPlantFit, explained
 from flycontrol.model.morphology import Morphology
 from flycontrol.model.paddling import Paddling, paddling
 from flycontrol.model.recording import Recording, WingAngles
@@ -185,16 +185,15 @@ def _plant_sentences(turning: TurnIdentification, blades: YawCoefficients | None
         return sentences
     plant = turning.plant
     sentences.append(
-        f"beta/I = {_interval(plant.damping, 0)} 1/s and gamma/I = {_interval(plant.paddling, -2)} 1/s^2 per rad "
-        f"(95 %), {_gain(plant.turn_gain)}; the residuals' correlation from one wingbeat to "
-        f"the next is {_interval(plant.noise_correlation, 2)}."
+        f"beta/I = {_interval(plant.damping, 0)} 1/s{_and_paddling(plant)}; the residuals' correlation from one "
+        f"wingbeat to the next is {_interval(plant.noise_correlation, 2)}."
     )
     if blades is not None:
         sentences.append(
             f"Blade elements at the measured mean stroke predict beta/I = {blades.damping / fly.yaw_inertia:.0f} 1/s "
             f"({_inside(blades.damping / fly.yaw_inertia, plant.damping)}), gamma/I = "
-            f"{round(blades.paddling / fly.yaw_inertia, -2):.0f} 1/s^2 per rad "
-            f"({_inside(blades.paddling / fly.yaw_inertia, plant.paddling)}) and "
+            f"{round(blades.paddling / fly.yaw_inertia, -2):.0f} 1/s^2 per rad"
+            f"{_beside(blades.paddling / fly.yaw_inertia, plant.paddling)} and "
             f"gamma/beta = {blades.turn_gain:.0f} 1/s, {blades.turn_gain_over_wing_speed:.2f} omega."
         )
     return sentences
@@ -211,14 +210,14 @@ def _limits(turning: TurnIdentification, torque: TorqueBalance | None) -> list[s
         sentences.append(
             f"Rolling and yawing are coupled by the product of inertia: the coupling has {share:.1f} times the "
             f"variance of the yaw acceleration. With it taken from the measured roll, {gain}, "
-            f"beta/I = {_interval(coupled.damping, 0)} 1/s and "
-            f"gamma/I = {_interval(coupled.paddling, -2)} 1/s^2 per rad."
+            f"beta/I = {_interval(coupled.damping, 0)} 1/s{_and_paddling(coupled)}."
         )
-    sentences.append(
-        f"d_alpha scatters by {turning.d_alpha_noise / deg:.1f} deg from wingbeat to wingbeat; if that is tracking "
-        f"noise, {turning.d_alpha_reliability:.0%} of its variance is signal, which scales gamma down by that "
-        f"factor, and one wingbeat alone holds {turning.d_alpha_largest_share:.0%} of it."
-    )
+    if np.isfinite(turning.d_alpha_reliability):
+        sentences.append(
+            f"d_alpha scatters by {turning.d_alpha_noise / deg:.1f} deg from wingbeat to wingbeat; if that is tracking "
+            f"noise, {turning.d_alpha_reliability:.0%} of its variance is signal, which scales gamma down by that "
+            f"factor, and one wingbeat alone holds {turning.d_alpha_largest_share:.0%} of it."
+        )
     if torque is not None:
         roll, pitch, yaw = torque.correlation
         sentences.append(
@@ -232,6 +231,16 @@ def _interval(estimate: Estimate, digits: int) -> str:
     value, low, high = (round(v, digits) for v in (estimate.value, estimate.low, estimate.high))
     places = max(digits, 0)
     return f"{value:.{places}f} [{low:.{places}f}, {high:.{places}f}]"
+
+
+def _and_paddling(plant: YawPlantFit) -> str:
+    if plant.paddling is None:
+        return " (95 %)"
+    return f" and gamma/I = {_interval(plant.paddling, -2)} 1/s^2 per rad (95 %), {_gain(plant.turn_gain)}"
+
+
+def _beside(value: float, estimate: Estimate | None) -> str:
+    return "" if estimate is None else f" ({_inside(value, estimate)})"
 
 
 def _gain(turn_gain: Estimate | None) -> str:

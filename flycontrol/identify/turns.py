@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 
 from flycontrol.errors import InvalidInputError
 from flycontrol.identify.motion import angular_velocity, required_torque
-from flycontrol.identify.yaw_plant import YawHistory, YawPlantFit, fit_yaw_plant
+from flycontrol.identify.yaw_plant import STEADIEST, YawHistory, YawPlantFit, fit_yaw_plant
 from flycontrol.model.morphology import Morphology
 from flycontrol.model.paddling import Paddling, paddling
 from flycontrol.model.recording import Recording
@@ -38,8 +38,10 @@ class TurnIdentification:
     plant_with_coupling: YawPlantFit | None  #: beside it: with products of inertia and gyroscopic torque
     turns: tuple[PaddlingTurn, ...]  #: by `plant`
     d_alpha_noise: float  #: standard deviation from wingbeat to wingbeat, by second differences [rad]
-    d_alpha_reliability: float  #: share of d_alpha's variance that is not that noise; scales gamma down [1]
-    d_alpha_largest_share: float  #: share of d_alpha's variance that one wingbeat holds [1]
+    d_alpha_reliability: (
+        float  #: share of d_alpha's variance that is not that noise; scales gamma down; NaN: no variance
+    )
+    d_alpha_largest_share: float  #: share of d_alpha's variance that one wingbeat holds; NaN: no variance
 
 
 def identify_turns(
@@ -65,8 +67,7 @@ def identify_turns(
     coupling = _coupling(recording, morphology, beats)
     histories = [(at_reversals, paddled.d_alpha, beats.durations, u) for u in (np.zeros_like(coupling), coupling)]
     plant, coupled, failure = _fits(histories)
-    noise = float(np.sqrt(np.mean(np.diff(paddled.d_alpha, 2) ** 2) / 6.0))
-    deviation = paddled.d_alpha - paddled.d_alpha.mean()
+    noise, reliability, largest = _scatter(paddled.d_alpha)
     return TurnIdentification(
         name=recording.name,
         status=failure or _status(plant),
@@ -80,9 +81,18 @@ def identify_turns(
         plant_with_coupling=coupled,
         turns=_turns(beats, mean_rate, at_reversals, paddled, plant),
         d_alpha_noise=noise,
-        d_alpha_reliability=float(max(0.0, 1.0 - noise**2 / np.var(deviation))),
-        d_alpha_largest_share=float(np.max(deviation**2) / np.sum(deviation**2)),
+        d_alpha_reliability=reliability,
+        d_alpha_largest_share=largest,
     )
+
+
+def _scatter(d_alpha: FloatArray) -> tuple[float, float, float]:
+    """Scatter from wingbeat to wingbeat [rad], the share of the variance that is none, the share of one wingbeat."""
+    noise = float(np.sqrt(np.mean(np.diff(d_alpha, 2) ** 2) / 6.0))
+    if np.ptp(d_alpha) <= STEADIEST:
+        return noise, np.nan, np.nan
+    squares = (d_alpha - d_alpha.mean()) ** 2
+    return noise, float(max(0.0, 1.0 - noise**2 / squares.mean())), float(squares.max() / squares.sum())
 
 
 def coupling_free_acceleration(recording: Recording, morphology: Morphology, beats: Wingbeats) -> FloatArray:
@@ -117,7 +127,7 @@ def _turns(
     nan = float("nan")
     model = TurnModel(
         damping=plant.damping.value if plant else nan,
-        paddling=plant.paddling.value if plant else nan,
+        paddling=plant.paddling.value if plant and plant.paddling else nan,
         offset=plant.intercept if plant else nan,
         wing_speed=paddled.mean_wing_speed,
     )
@@ -130,6 +140,8 @@ def _turns(
 
 def _status(plant: YawPlantFit | None) -> str:
     assert plant is not None
+    if plant.paddling is None:
+        return _status_without_paddling(plant)
     signs = {
         (True, True): "damping and paddling both come out with the sign of Eq. 3",
         (True, False): "damping has the sign of Eq. 3, paddling cannot be told from none",
@@ -144,6 +156,16 @@ def _status(plant: YawPlantFit | None) -> str:
         f"Eq. 3 can explain at most {plant.r2_acceleration_best:.0%} of the variance of the yaw acceleration; at the "
         f"estimates it explains {plant.r2_acceleration:.0%}, and {plant.r2_simulated:.0%} of the yaw rate when "
         f"simulated from the paddling alone (negative: worse than the mean); {found}."
+    )
+
+
+def _status_without_paddling(plant: YawPlantFit) -> str:
+    known = "has the sign of Eq. 3" if plant.damping.low > 0 else "cannot be told from none"
+    known = "came out with the sign opposite to Eq. 3" if plant.damping.high < 0 else known
+    return (
+        "There is no paddling in this recording (d_alpha is the same in every wingbeat), so gamma cannot be "
+        f"identified; damping alone explains {plant.r2_acceleration:.0%} of the variance of the yaw acceleration and "
+        f"{known}."
     )
 
 

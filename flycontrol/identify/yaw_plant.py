@@ -33,6 +33,7 @@ PERSISTENCE = (0.01, 1.6)  #: a = e^{-b T}: from gone within a wingbeat to growi
 NOISE_CORRELATION = (-0.95, 0.99)  #: rho
 FINE = (120, 40)  #: cells of the fine grid over a and rho; twice as many move no interval by 1 % of its width
 LEVELS = (0.025, 0.5, 0.975)
+STEADIEST = 1e-9  #: range of d_alpha up to which it does not vary, but for rounding [rad]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,6 +53,17 @@ class YawHistory:
             raise InvalidInputError(
                 f"{n} wingbeats are too few to identify yaw damping and paddling; {FEWEST_WINGBEATS} are needed."
             )
+
+    @property
+    def paddles(self) -> bool:
+        """Whether d_alpha varies at all; where it does not, gamma cannot be told from the offset c."""
+        return bool(np.ptp(self.d_alpha) > STEADIEST)
+
+    @property
+    def regressors(self) -> FloatArray:
+        """(n, 2) d_alpha and 1, or (n, 1) ones where d_alpha does not vary."""
+        ones = np.ones_like(self.d_alpha)
+        return np.column_stack([self.d_alpha, ones]) if self.paddles else ones[:, None]
 
     @property
     def acceleration(self) -> FloatArray:
@@ -78,8 +90,8 @@ class YawPlantFit:
     """Eq. 3 in ratios to the inertia, with 95 % intervals, and how much of the yaw motion it explains."""
 
     damping: Estimate  #: b = beta / I [1/s]
-    paddling: Estimate  #: g = gamma / I [1/s^2 per rad]
-    turn_gain: Estimate | None  #: gamma / beta [1/s]; None where beta may be zero, since no interval bounds it then
+    paddling: Estimate | None  #: g = gamma / I [1/s^2 per rad]; None where d_alpha does not vary
+    turn_gain: Estimate | None  #: gamma / beta [1/s]; None without gamma, or unbounded since beta may be zero
     offset: Estimate  #: c [rad/s^2]
     intercept: float  #: c that makes the modelled acceleration's mean the measured one, for the curves below [rad/s^2]
     noise_correlation: Estimate  #: rho from one wingbeat to the next [1]
@@ -91,23 +103,29 @@ class YawPlantFit:
     r2_acceleration_best: float  #: the most that any b, g and c could explain
     r2_simulated: float  #: share of the yaw rate's variance that the simulation explains
 
+    @property
+    def paddling_or_none(self) -> float:
+        """g for a simulation [1/s^2 per rad]: 0 where it is not known, since a steady d_alpha is in the offset."""
+        return 0.0 if self.paddling is None else self.paddling.value
+
 
 def fit_yaw_plant(history: YawHistory) -> YawPlantFit:
     """Posterior medians and 95 % intervals of b, g, c and rho.  Review, Eq. 3."""
     posterior = _posterior(history)
     damping = posterior.of_damping()
-    paddling = posterior.of_linear(lambda p: (p.mean[..., 0], p.sd[..., 0]))
-    offset = posterior.of_linear(lambda p: (p.mean[..., 1], p.sd[..., 1]))
-    slope = _modelled_acceleration(history, damping.value, paddling.value, 0.0)
-    per_offset = _modelled_acceleration(history, damping.value, paddling.value, 1.0) - slope
+    paddling = posterior.of_linear(lambda p: (p.mean[..., 0], p.sd[..., 0])) if history.paddles else None
+    offset = posterior.of_linear(lambda p: (p.mean[..., -1], p.sd[..., -1]))
+    g = 0.0 if paddling is None else paddling.value
+    slope = _modelled_acceleration(history, damping.value, g, 0.0)
+    per_offset = _modelled_acceleration(history, damping.value, g, 1.0) - slope
     intercept = float(np.mean(history.acceleration - slope) / np.mean(per_offset))
-    at = (damping.value, paddling.value, intercept)
+    at = (damping.value, g, intercept)
     simulated = _simulate(history, *at)
     modelled = _modelled_acceleration(history, *at)
     return YawPlantFit(
         damping=damping,
         paddling=paddling,
-        turn_gain=posterior.of_turn_gain() if damping.excludes_zero else None,
+        turn_gain=posterior.of_turn_gain() if history.paddles and damping.excludes_zero else None,
         offset=offset,
         intercept=intercept,
         noise_correlation=posterior.of_correlation(),
@@ -124,7 +142,8 @@ def fit_yaw_plant(history: YawHistory) -> YawPlantFit:
 def quick_estimate(history: YawHistory) -> tuple[float, float]:
     """b and g from the coarse grid alone, for resampling: median of b [1/s], mean of g [1/s^2 per rad]."""
     posterior = _on_grid(history, np.linspace(*PERSISTENCE, 81), np.linspace(*NOISE_CORRELATION, 26))
-    return posterior.of_damping().value, float(np.sum(posterior.weight * posterior.mean[..., 0]))
+    g = float(np.sum(posterior.weight * posterior.mean[..., 0])) if history.paddles else 0.0
+    return posterior.of_damping().value, g
 
 
 def driving_noise(history: YawHistory, fit: YawPlantFit) -> FloatArray:
@@ -132,12 +151,12 @@ def driving_noise(history: YawHistory, fit: YawPlantFit) -> FloatArray:
     decay = np.exp(-fit.damping.value * history.durations)
     gain = (1.0 - decay) / fit.damping.value
     driving = (history.yaw_rate[1:] - decay * history.yaw_rate[:-1]) / gain + history.coupling
-    return driving - fit.paddling.value * history.d_alpha - fit.intercept
+    return driving - fit.paddling_or_none * history.d_alpha - fit.intercept
 
 
 def simulate_yaw_rate(history: YawHistory, fit: YawPlantFit, noise: FloatArray) -> FloatArray:
     """(n + 1,) yaw rate from the first one by d_alpha, the intercept and a given noise (n,) [rad/s]."""
-    drive = fit.paddling.value * history.d_alpha + fit.intercept + noise - history.coupling
+    drive = fit.paddling_or_none * history.d_alpha + fit.intercept + noise - history.coupling
     return _driven(history, fit.damping.value, drive)
 
 
@@ -154,8 +173,8 @@ class _Posterior:
     b_edges: FloatArray  # (i + 1,), falling
     rho_edges: FloatArray  # (j + 1,)
     weight: FloatArray  # (i, j), sums to 1
-    mean: FloatArray  # (i, j, 2)
-    sd: FloatArray  # (i, j, 2)
+    mean: FloatArray  # (i, j, 2), or (i, j, 1) of c alone
+    sd: FloatArray  # likewise
     freedom: int
 
     def of_damping(self) -> Estimate:
@@ -215,7 +234,7 @@ def _on_grid(history: YawHistory, a_edges: FloatArray, rho_edges: FloatArray) ->
     decay = np.exp(-b[:, None] * history.durations)
     gain = (1.0 - decay) / b[:, None]
     driving = (history.yaw_rate[1:] - decay * history.yaw_rate[:-1]) / gain + history.coupling
-    regressors = np.column_stack([history.d_alpha, np.ones_like(history.d_alpha)])
+    regressors = history.regressors
     jacobian = np.log(_prior_mass(a_edges)) - np.sum(np.log(gain[:, 1:]), axis=1)
     columns = [_whitened_fit(driving, regressors, float(r)) for r in rho]
     log_weight = np.stack([c[0] for c in columns], axis=1) + jacobian[:, None]
@@ -227,7 +246,7 @@ def _on_grid(history: YawHistory, a_edges: FloatArray, rho_edges: FloatArray) ->
         weight=weight / weight.sum(),
         mean=np.stack([c[1] for c in columns], axis=1),
         sd=np.stack([c[2] for c in columns], axis=1),
-        freedom=len(history.d_alpha) - 3,
+        freedom=len(history.d_alpha) - 1 - regressors.shape[1],
     )
 
 
@@ -239,7 +258,7 @@ def _whitened_fit(driving: FloatArray, regressors: FloatArray, rho: float) -> tu
     inverse = np.linalg.inv(gram)
     coefficient = s @ X @ inverse
     residual = np.sum((s - coefficient @ X.T) ** 2, axis=1)
-    freedom = len(X) - 2
+    freedom = len(X) - X.shape[1]
     log_weight = -0.5 * np.linalg.slogdet(gram)[1] - 0.5 * freedom * np.log(residual)
     sd = np.sqrt(residual[:, None] / freedom * np.diag(inverse))
     return log_weight, coefficient, sd
@@ -277,7 +296,7 @@ def _modelled_acceleration(history: YawHistory, b: float, g: float, c: float) ->
 def _best_r2(history: YawHistory) -> float:
     """Return the largest R^2 of the modelled acceleration: least squares for g and c at every b of the grid."""
     b = -np.log(np.linspace(*PERSISTENCE, 160)) / float(history.durations.mean())
-    regressors = np.column_stack([history.d_alpha, np.ones_like(history.d_alpha)])
+    regressors = history.regressors
     best = -np.inf
     for each in b[np.abs(b) > 1e-6]:
         fixed = _modelled_acceleration(history, float(each), 0.0, 0.0)

@@ -100,7 +100,7 @@ def _turning(found: TurnIdentification) -> PageFigure:
     plant = found.plant
     finding = (
         sentence(found.status)
-        if plant is None
+        if plant is None or plant.paddling is None
         else f"Simulated from the paddling alone, Eq. 3 explains {plant.r2_simulated:.0%} of the yaw rate’s variance, "
         f"and {plant.r2_acceleration:.0%} of the acceleration’s from paddling and measured rate (negative: worse "
         "than the mean)."
@@ -191,7 +191,7 @@ def _shares(plain: YawPlantFit | None, coupled: YawPlantFit | None) -> list[Plan
 def _interval(fit: YawPlantFit | None, name: str, digits: int) -> str:
     estimate: Estimate | None = None if fit is None else getattr(fit, name)
     if estimate is None:
-        return ABSENT if fit is None else "not bounded"
+        return ABSENT if fit is None or fit.paddling is None else "not bounded"
     value, low, high = (
         fixed(round(number, digits), max(digits, 0)) for number in (estimate.value, estimate.low, estimate.high)
     )

@@ -136,3 +136,17 @@ def test_too_few_wingbeats_and_unequal_lengths_are_refused():
         flight(0, n=5)
     with pytest.raises(InvalidInputError, match="n \\+ 1 reversals"):
         YawHistory(yaw_rate=np.zeros(9), d_alpha=np.zeros(9), durations=np.ones(9), coupling=np.zeros(9))
+
+
+def test_without_any_paddling_damping_comes_back_and_gamma_is_not_told():
+    paddled = flight(1, noise=300.0, rho=0.0)
+    decay = np.exp(-B * paddled.durations)
+    rng = np.random.default_rng(4)
+    rate = [20.0]
+    for part, duration in zip(decay, paddled.durations, strict=True):
+        rate.append(part * rate[-1] + 1e-3 * duration * rng.standard_normal())
+    fit = fit_yaw_plant(replace(paddled, yaw_rate=np.array(rate), d_alpha=np.zeros_like(paddled.d_alpha)))
+    assert fit.paddling is None
+    assert fit.turn_gain is None
+    assert fit.damping.value == pytest.approx(B, rel=2e-3)  # the grid over b is what limits it
+    assert fit.r2_acceleration > 0.9999
