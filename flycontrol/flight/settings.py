@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from flycontrol.errors import InvalidParameterError
-
-FEWEST_STEPS = 20
+from flycontrol.model.flight_experiment import FEWEST_STEPS
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

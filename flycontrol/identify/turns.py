@@ -171,10 +171,15 @@ def _status_without_paddling(plant: YawPlantFit) -> str:
 
 def turn_sentence(turn: PaddlingTurn) -> str:
     """One turn in words."""
+    by_plant = (
+        "the plant does not say"
+        if not np.isfinite(turn.by_plant)
+        else f"gamma/beta * integral {turn.by_plant / deg:.0f} deg, Eq. 4's correction "
+        f"{turn.rate_change_correction / deg:+.0f} deg"
+    )
     whole = "" if turn.complete else ", cut by the recording's edge"
     return (
         f"Turn at {turn.start * 1e3:.0f}-{turn.end * 1e3:.0f} ms ({turn.wingbeats} wingbeats{whole}): measured "
         f"{turn.angle / deg:.0f} deg; omega * integral of d_alpha {turn.by_wing_speed / deg:.0f} deg, "
-        f"{turn.by_wing_speed_trimmed / deg:.0f} deg with the flight's median d_alpha taken as zero; gamma/beta * "
-        f"integral {turn.by_plant / deg:.0f} deg, Eq. 4's correction {turn.rate_change_correction / deg:+.0f} deg."
+        f"{turn.by_wing_speed_trimmed / deg:.0f} deg with the flight's median d_alpha taken as zero; {by_plant}."
     )

@@ -19,7 +19,15 @@ from flycontrol.io.quantities import ANGLE, NUMBER, TIME
 from flycontrol.io.stroke_files import modulations_in, stroke_in
 from flycontrol.io.text_files import text_file
 from flycontrol.io.toml_files import TomlFile, parse_toml, read_toml_file, structured
-from flycontrol.model.flight_experiment import Ensemble, FlightExperiment, Spread
+from flycontrol.model.flight_experiment import (
+    FEWEST_STEPS,
+    Ensemble,
+    FlightExperiment,
+    Spread,
+    TorquePulse,
+    placed_before_trim,
+    refuse_pulses_outside,
+)
 from flycontrol.model.stroke_kinematics import StrokeKinematics
 from flycontrol.model.wing_stroke import BermanWangStroke
 
@@ -67,6 +75,7 @@ def _experiment(file: ExperimentFile, toml: TomlFile) -> FlightExperiment:
     unsteered = {key: value for key, value in file.stroke.items() if key != "modulation"}
     stroke = stroke_in(replace(toml, data=toml.data | {"stroke": unsteered}), "stroke")
     trim = _trim(file, toml)
+    _refuse_impossible(file, trim, read)
     _refuse_untrimmable(trim, stroke, toml)
     return FlightExperiment(
         name=file.name,
@@ -80,7 +89,7 @@ def _experiment(file: ExperimentFile, toml: TomlFile) -> FlightExperiment:
         free=read.freedoms(file.body),
         left=read.joints(file.hinges, file.hinges.left, "left"),
         right=read.joints(file.hinges, file.hinges.right, "right"),
-        pulses=tuple(read.pulse(table, k) for k, table in enumerate(file.pulse)),
+        pulses=_pulses(file, stroke.frequency, trim, read),
         air=read.air(file.air),
         steps=file.march.steps,
         samples=file.march.samples,
@@ -89,6 +98,31 @@ def _experiment(file: ExperimentFile, toml: TomlFile) -> FlightExperiment:
         file=Path(toml.file.name).name,
         sha256=toml.file.sha256,
     )
+
+
+def _refuse_impossible(file: ExperimentFile, trim: tuple[str, ...], read: FlightReader) -> None:
+    """What the march and the trim would refuse later, with file and line."""
+    steps, samples = file.march.steps, file.march.samples
+    if steps < FEWEST_STEPS or steps % 2:
+        raise read.refusal("march.steps", f"is {steps}; an even number of at least {FEWEST_STEPS} is needed")
+    if steps % samples:
+        raise read.refusal("march.samples", f"is {samples}; it must divide the {steps} steps a wingbeat")
+    if trim and not file.air.terms:
+        raise read.refusal("air.terms", "is []: without air no stroke hovers; say moves = [] under [trim]")
+
+
+def _pulses(
+    file: ExperimentFile, frequency: float, trim: tuple[str, ...], read: FlightReader
+) -> tuple[TorquePulse, ...]:
+    pulses = tuple(read.pulse(table, k) for k, table in enumerate(file.pulse))
+    for k, pulse in enumerate(pulses):
+        if not placed_before_trim(pulse, trim):
+            continue
+        try:
+            refuse_pulses_outside((pulse,), file.march.wingbeats, frequency)
+        except InvalidInputError as error:
+            raise InvalidInputError(f"{read.toml.where('pulse', str(k), 'onset')}: {error}") from error
+    return pulses
 
 
 def _trim(file: ExperimentFile, toml: TomlFile) -> tuple[str, ...]:
@@ -126,7 +160,8 @@ def _laid_over_the_default(toml: TomlFile) -> TomlFile:
     for section in ("morphology", "stroke", *_LAID_OVER):
         given = toml.data.get(section, {})
         if not isinstance(given, dict):
-            raise InvalidInputError(f"{toml.where(section)}: {section} is {given!r}; a table [{section}] is needed.")
+            way = "; say moves = [] under [trim]" if section == "trim" else f"; a table [{section}] is needed"
+            raise InvalidInputError(f"{toml.where(section)}: {section} is {given!r}{way}.")
         merged[section] = default[section] | given if section in _LAID_OVER else given or default[section]
     stroke: dict[str, Any] = {"frequency": default["stroke"]["frequency"]} | merged["stroke"]
     if not {"both", "left", "right"} & set(stroke):

@@ -83,6 +83,8 @@ def stroke_in(
     read = QuantityReader(toml, within)
     table = structured(StrokeTable, table_at(toml, within), toml, within)
     frequency = read.number(table.frequency, FREQUENCY, "frequency", ("1 Hz", "2000 Hz"))
+    if table.both is not None and not (table.left is None and table.right is None):
+        raise read.refusal("both", "is given beside left or right; give both alone, or left and right")
     if (table.both is None) == (table.left is None and table.right is None) or (table.left is None) != (
         table.right is None
     ):

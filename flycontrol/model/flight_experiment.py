@@ -21,6 +21,8 @@ FloatArray = NDArray[np.float64]
 Vector = tuple[float, float, float]
 Freedom = Literal["forward", "sideways", "down", "roll", "pitch", "yaw"]
 FREEDOMS: tuple[Freedom, ...] = get_args(Freedom)
+FEWEST_STEPS = 20  #: of a wingbeat
+_ROUNDING = 1e-9  #: of a time that is given in wingbeats
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -135,8 +137,15 @@ class FlightExperiment:
         if not self.wingbeats >= 1:
             raise InvalidParameterError(f"A flight needs at least one wingbeat, got {self.wingbeats!r}.")
         if self.trim and not (self.left.prescribed and self.right.prescribed):
-            raise InvalidInputError("Only prescribed wings are trimmed; take hinges out, or say trim = [].")
-        refuse_pulses_outside(self.pulses, self.wingbeats, self.stroke.frequency)
+            raise InvalidInputError(
+                "Only prescribed wings are trimmed; take hinges out, or say moves = [] under [trim]."
+            )
+        if self.ensemble is not None and not (self.left.prescribed and self.right.prescribed):
+            raise InvalidInputError(
+                "Only prescribed wings are flown as an ensemble; take hinges out, or take [ensemble] out and fly once."
+            )
+        known = [pulse for pulse in self.pulses if placed_before_trim(pulse, self.trim)]
+        refuse_pulses_outside(known, self.wingbeats, self.stroke.frequency)
 
     def steered(self, stroke: StrokeKinematics) -> StrokeKinematics:
         """A stroke, once trimmed, with the experiment's steering."""
@@ -145,13 +154,20 @@ class FlightExperiment:
         return stroke
 
 
+def placed_before_trim(pulse: TorquePulse, trim: Sequence[str]) -> bool:
+    """Whether a pulse's place in the flight is known before the trim, which may move the frequency."""
+    return "frequency" not in trim or pulse.onset.seconds == pulse.duration.seconds == 0
+
+
 def refuse_pulses_outside(pulses: Sequence[TorquePulse], wingbeats: int, frequency: float) -> None:
-    """InvalidInputError where a pulse lies outside a flight of so many wingbeats at a frequency [1/s]."""
+    """InvalidInputError where a pulse is not wholly within a flight of so many wingbeats at a frequency [1/s]."""
     end = wingbeats / frequency
     for pulse in pulses:
         start, duration = pulse.onset.at(frequency), pulse.duration.at(frequency)
-        if not (start >= 0 and start < end):
+        if not (start >= 0 and start + duration <= end * (1 + _ROUNDING)):
+            lies = "lies outside" if start < 0 or start >= end else "sticks out of"
             raise InvalidInputError(
-                f"A pulse from {start / ms:.6g} to {(start + duration) / ms:.6g} ms lies outside the flight of "
-                f"{wingbeats} wingbeats, 0 to {end / ms:.6g} ms; move it, or fly on."
+                f"A pulse from {start / ms:.6g} to {(start + duration) / ms:.6g} ms (wingbeats {start * frequency:.6g} "
+                f"to {(start + duration) * frequency:.6g} at {frequency:.5g} Hz) {lies} the flight of {wingbeats} "
+                f"wingbeats, 0 to {end / ms:.6g} ms; move it, shorten it, or fly on."
             )

@@ -22,7 +22,7 @@ class Steering:
     def __post_init__(self) -> None:
         if self.ramp is not None and not (np.all(np.isfinite(self.ramp)) and self.ramp[0] < self.ramp[1]):
             raise InvalidParameterError(
-                f"Steering.ramp must end after it starts, both in wingbeats, got {self.ramp!r}."
+                f"A ramp of steering must end after it starts, both in wingbeats, got {list(self.ramp)}."
             )
 
     def applied(self, kinematics: StrokeKinematics) -> StrokeKinematics:

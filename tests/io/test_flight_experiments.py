@@ -131,9 +131,7 @@ def test_what_cannot_be_meant_is_refused_with_file_line_and_a_way_out(refused):
     assert "line 2: stroke.both.kind is 'Wang'" in refused('[stroke.both]\nkind = "Wang"')
     assert "has no stiffness, which a spring needs" in refused('[hinges]\npitch = { kind = "spring" }')
     assert "is not of a spring" in refused('[hinges]\npitch = { kind = "spring", amplitude = "1e-9 N m" }')
-    assert "Only prescribed wings are trimmed" in refused(
-        '[hinges]\npitch = { kind = "spring", stiffness = "2e-9 N m/rad" }'
-    )
+    assert "say moves = [] under [trim]" in refused('[hinges]\npitch = { kind = "spring", stiffness = "2e-9 N m/rad" }')
 
 
 def test_a_fault_in_the_second_pulse_is_refused_with_its_own_line(refused):
@@ -141,3 +139,34 @@ def test_a_fault_in_the_second_pulse_is_refused_with_its_own_line(refused):
     assert "line 10: pulse.torque is 2, without a unit" in refused(
         pulse + 'torque = "1e-9 N m"\n' + pulse + "torque = 2"
     )
+
+
+def test_what_only_the_flight_would_refuse_is_refused_when_the_file_is_read(refused):
+    spring = '[trim]\nmoves = []\n[hinges]\npitch = { kind = "spring", stiffness = "2e-9 N m/rad" }\n'
+    assert "Only prescribed wings are flown as an ensemble" in refused(spring + "[ensemble]\nflights = 4\n")
+    assert "flight.toml, line 2: march.steps is 10; an even number of at least 20" in refused("[march]\nsteps = 10")
+    assert "line 2: march.samples is 33; it must divide the 200 steps" in refused("[march]\nsamples = 33")
+    assert "line 2: air.terms is []: without air no stroke hovers; say moves = []" in refused("[air]\nterms = []")
+    assert "line 1: trim is []; say moves = [] under [trim]" in refused("trim = []")
+    assert "a ramp of steering must end after it starts" in refused(
+        '[[stroke.modulation]]\nramp = [5, 3]\npaddling = "5 deg"'
+    ).replace("A ramp", "a ramp")
+    assert "stroke.both is given beside left or right" in refused(
+        '[stroke.both]\nkind = "Berman and Wang"\n[stroke.left]\nkind = "Berman and Wang"'
+    )
+
+
+def test_a_pulse_that_sticks_out_of_the_flight_is_refused_with_its_line_and_one_that_ends_with_it_is_flown(
+    read, refused
+):
+    pulse = '[[pulse]]\naxis = "yaw"\ntorque = "1e-9 N m"\nonset = "{} wingbeats"\nduration = "1 wingbeat"\n'
+    assert "line 4: A pulse from" in refused(pulse.format(19.5))
+    assert "sticks out of the flight of 20 wingbeats" in refused(pulse.format(19.5))
+    assert len(read(pulse.format(19)).pulses) == 1
+
+
+def test_a_pulse_in_ms_is_judged_at_the_trimmed_frequency_alone(read):
+    late = '[[pulse]]\naxis = "yaw"\ntorque = "1e-9 N m"\nonset = "90.8 ms"\nduration = "1 ms"\n'
+    assert read(late).trim.count("frequency") == 1  # 20 wingbeats of the untrimmed 220 Hz end at 90.9 ms
+    with pytest.raises(InvalidInputError, match="sticks out of the flight"):
+        read(late + "[trim]\nmoves = []\n")
