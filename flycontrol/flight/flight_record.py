@@ -14,6 +14,7 @@ from flycontrol.flight.experiments import PlannedFlight
 from flycontrol.flight.multibody.inverse import inverse_dynamics
 from flycontrol.flight.wing_loads import loads_along
 from flycontrol.flight.wingbeat_means import WingbeatMeans, wingbeat_means
+from flycontrol.flight.worst_wingbeat import step_errors, worst
 from flycontrol.model.stroke import WingMotion
 from flycontrol.model.trajectory import QuadratureError, StepError, Trajectory, rotation_matrices, wing_rates
 
@@ -42,7 +43,9 @@ class FlightRecord:
     planned: PlannedFlight
     status: str  #: "complete", or a sentence
     wingbeats: int  #: flown
-    step_error: StepError | None
+    step_error: StepError | None  #: of the worst wingbeat among the first, the last, pulses and ramps
+    step_error_wingbeat: int  #: which one it is, from 0
+    step_error_wingbeats: tuple[int, ...]  #: those that were repeated with half the steps
     quadrature_error: QuadratureError | None  #: None: not one wingbeat was flown
     body: Trajectory  #: every instant, or the first of wingbeats that are evenly apart
     beats: WingbeatMeans  #: of wingbeats that are evenly apart
@@ -78,7 +81,7 @@ class FlightRecorder:
         self._yaw, self._flat = 0.0, True
         self._peak = (0.0, 0.0)
         self._quadrature: QuadratureError | None = None
-        self._step_error: StepError | None = None
+        self._step_errors: dict[int, StepError] = {}
 
     def add(self, piece: Trajectory) -> None:
         """Look at a piece."""
@@ -88,8 +91,10 @@ class FlightRecorder:
         for sieve in (self._of_body, self._close, self._film):
             sieve.add(piece, start, again=again)
         if self._last is None:
-            self._step_error = piece.step_error
+            self._step_errors |= {} if piece.step_error is None else {0: piece.step_error}
             self._quadrature = piece.quadrature_error
+        if len(piece.phase) > 1 and self._planned.settings.estimate_error:
+            self._step_errors |= step_errors(self._planned, piece)
         self._beats.add(wingbeat_means(self._planned.plan.fly, piece))
         self._last = piece
 
@@ -97,12 +102,14 @@ class FlightRecorder:
         """What was kept."""
         assert self._last is not None, "a flight has at least one piece"
         fly, empty = self._planned.plan.fly, taken(self._last, np.arange(0))
-        near = self._close.found(empty)
+        near, found = self._close.found(empty), worst(self._step_errors)
         return FlightRecord(
             planned=self._planned,
             status=self._last.status,
             wingbeats=self._last.wingbeats,
-            step_error=self._step_error,
+            step_error=None if found is None else found[1],
+            step_error_wingbeat=0 if found is None else found[0],
+            step_error_wingbeats=tuple(sorted(self._step_errors)),
             quadrature_error=self._quadrature,
             body=self._of_body.found(empty),
             beats=self._beats.kept(),

@@ -50,24 +50,32 @@ def step_error_between(coarse: FloatArray, fine: FloatArray, step: float, settin
     step : h [s]
     settings : steps a wingbeat, tolerance
     """
+    error = halving_error(coarse, fine)
+    refuse_coarse(error, step, settings)
+    return error
+
+
+def halving_error(coarse: FloatArray, fine: FloatArray) -> StepError:
+    """|x(2 h) - x(h)| / 15 of states (25,) or (13,), however large."""
     apart = (coarse - fine) / (2**_ORDER - 1)
-    error = StepError(
+    return StepError(
         position=_length(apart[:QUATERNION]),
         velocity=_length(apart[VELOCITY:SPIN]),
         attitude=2 * _length(apart[QUATERNION:VELOCITY]),
         angular_velocity=_length(apart[SPIN:LEFT]),
         wing_angle=float(np.max(np.abs(apart[LEFT:LEFT_RATE]), initial=0.0)),
     )
-    _refuse_coarse(error, step, settings)
-    return error
 
 
 def _length(vector: FloatArray) -> float:
     return float(np.linalg.norm(vector))
 
 
-def _refuse_coarse(error: StepError, step: float, settings: MarchSettings) -> None:
-    """Angles count as they are: an error of the tolerance in radians over a wingbeat is too much."""
+def refuse_coarse(error: StepError, step: float, settings: MarchSettings, wingbeat: int = 0) -> None:
+    """InvalidParameterError where an error exceeds the tolerance.
+
+    Angles count as they are: an error of the tolerance in radians over a wingbeat is too much.
+    """
     largest = max(error.attitude, error.wing_angle)
     if largest <= settings.tolerance:
         return
@@ -78,5 +86,5 @@ def _refuse_coarse(error: StepError, step: float, settings: MarchSettings) -> No
         advice = f"about {2 * math.ceil(0.6 * enough)} steps would do"
     raise InvalidParameterError(
         f"{settings.steps} steps a wingbeat ({step * 1e6:.3g} us each) leave an error of {largest:.2g} rad after one "
-        f"wingbeat, where {settings.tolerance:.2g} rad is asked for; {advice}."
+        f"wingbeat (number {wingbeat}, counted from 0), where {settings.tolerance:.2g} rad is asked for; {advice}."
     )

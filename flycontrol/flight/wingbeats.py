@@ -18,7 +18,7 @@ from flycontrol.flight.pulses import BodyPulse, outside_loads
 from flycontrol.flight.quadrature_error import estimate_quadrature_error
 from flycontrol.flight.settings import MarchSettings
 from flycontrol.flight.state_vector import AT_REST, first_wingbeat, level_start, packed, trajectory_of, unpacked
-from flycontrol.flight.step_error import coarse_end, step_error_between
+from flycontrol.flight.step_error import coarse_end, halving_error, step_error_between
 from flycontrol.model.stroke_kinematics import StrokeKinematics
 from flycontrol.model.trajectory import FlightState, QuadratureError, StepError, Trajectory
 
@@ -76,6 +76,13 @@ class March:
         phase = first + np.arange(stored + (status == "complete")) / per_beat
         trajectory = trajectory_of(samples[: len(phase)], phase, self.stroke.frequency, per_beat)
         return replace(trajectory, wingbeats=first + stored // per_beat, status=status, **errors)
+
+    def step_error(self, beat: int) -> StepError:
+        """What the steps get wrong in one wingbeat from the present state, which stays as it is."""
+        drive, outside = self._beat(beat)
+        fine, steps = self.y.copy(), self.settings.steps
+        march(fine, drive, self.step, outside, steps, *self.constants.arguments, np.empty((1, SAMPLE)))
+        return halving_error(coarse_end(self.y, drive, self.step, outside, self.constants), fine)
 
     def _errors(self, start: FloatArray, drive: FloatArray, outside: FloatArray, samples: FloatArray) -> Errors:
         """What steps and blades get wrong in the first wingbeat."""

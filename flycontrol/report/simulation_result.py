@@ -48,7 +48,9 @@ FIELDS: dict[str, str] = {
     "settings.steps": "Runge-Kutta steps a wingbeat",
     "settings.samples": "stored instants a wingbeat",
     "settings.nodes": "blades a wing",
-    "error.step.*": "of one wingbeat, by repeating it with half the steps: m, m/s, rad, rad/s, rad",
+    "error.step.*": "of the worst wingbeat repeated with half the steps: m, m/s, rad, rad/s, rad",
+    "error.step_wingbeat": "which one that is, from 0",
+    "error.step_wingbeats[]": "those repeated: the first, the last, where the strongest pulse begins, amid ramps",
     "error.quadrature.*": "of the load, blades against many: over weight, and weight times wing length",
     "mean.force_weights.*[]": "by term, forward, right, down in the stroke plane, over all wingbeats, over the weight",
     "mean.torque_n_m.*[]": "by term, roll, pitch, yaw, likewise",
@@ -193,6 +195,8 @@ def _error(record: FlightRecord) -> dict[str, Any]:
     step, quadrature = record.step_error, record.quadrature_error
     return {
         "step": None if step is None else {name: getattr(step, name) for name in type(step).__slots__},
+        "step_wingbeat": record.step_error_wingbeat,
+        "step_wingbeats": list(record.step_error_wingbeats),
         "quadrature": None
         if quadrature is None
         else {name: getattr(quadrature, name) for name in type(quadrature).__slots__},

@@ -117,12 +117,18 @@ def error_rows(record: FlightRecord) -> list[Row]:
     asked, step, blades = record.planned.experiment, record.step_error, record.quadrature_error
     rows: list[Row] = []
     if step is not None:
-        halved = f"of one wingbeat of {asked.steps} steps, by repeating it with half as many"
-        rows.append(Row("Attitude", significant(step.attitude / deg, 2, "deg"), halved))
-        rows.append(Row("Angular velocity", significant(step.angular_velocity, 2, "rad/s"), "likewise"))
-        rows.append(Row("Position", significant(step.position / mm, 2, "mm"), "likewise"))
+        among = ", ".join(str(beat) for beat in record.step_error_wingbeats)
+        halved = (
+            f"of wingbeat {record.step_error_wingbeat} alone, by repeating it with half of its {asked.steps} steps; "
+            f"the worst of wingbeats {among}, from 0"
+        )
+        if {"roll", "pitch", "yaw"} & set(asked.free):
+            rows.append(Row("Attitude", significant(step.attitude / deg, 2, "deg"), halved))
+            rows.append(Row("Angular velocity", significant(step.angular_velocity, 2, "rad/s"), "likewise"))
+        if {"forward", "sideways", "down"} & set(asked.free):
+            rows.append(Row("Position", significant(step.position / mm, 2, "mm"), "likewise"))
         if not (asked.left.prescribed and asked.right.prescribed):
-            rows.append(Row("Free wing angles", significant(step.wing_angle / deg, 2, "deg"), "likewise"))
+            rows.append(Row("Free wing angles", significant(step.wing_angle / deg, 2, "deg"), halved))
     if blades is not None:
         rows.append(
             Row("Force", significant(blades.force, 2), f"of weight, at most, {asked.air.nodes} blades against 64")
