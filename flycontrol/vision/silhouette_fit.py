@@ -20,8 +20,9 @@ FloatArray = NDArray[np.float64]
 
 #: Variance of a border per pixel of its length, neighbours' correlation included [px^3] (C)
 _BORDER_VARIANCE = 0.75
-#: Weight of what silhouettes have and the fly has not, as legs, over that of what it has too much (C)
-_LENIENCE = 0.6
+#: Weight of what silhouettes have and the fly has not, as legs, over that of what it has too much; below 1 legs pull
+#: less, but a wing half lost in the body is found again less often (C)
+_LENIENCE = 1.0
 _ROUNDS, _LARGEST_STEP = 25, 0.35  #: of Levenberg and Marquardt; in wing lengths and radians
 _TURNS = slice(TURN.start, WING_TURN[1].stop)
 
@@ -31,7 +32,7 @@ class Leash:
     """How far the fitted fly may be from what is expected of it, as standard deviations."""
 
     base: float = 0.02  #: of a wing's base from where the shape has it, in wing lengths, along each body axis (C)
-    body: float = 3 * deg  #: of the body's turn from the expected one, about each axis (C)
+    body: float = 1 * deg  #: of the body's turn from the expected one, about each axis (C)
     wing: float = 20 * deg  #: of a wing's turn from the expected one, about each axis (C)
 
 
@@ -173,7 +174,8 @@ def fit_silhouettes(
         stance, rounds, done = _descended(_problem(border, shape, s, expected, leash), stance)
         iterations += rounds
     s = softness[-1]
-    at, scale = _problem(border, shape, s, expected, leash).at(stance), _scale(shape.wing_length)
+    # what was expected came from the frames before: counted again in each, it would make a drift look certain
+    at, scale = _problem(border, shape, s, None, leash).at(stance), _scale(shape.wing_length)
     H = at.H + 1e-9 * np.max(np.diag(at.H)) * np.eye(STEPS)
     covariance = cast(FloatArray, cho_solve(cho_factor(H), np.eye(STEPS))) * np.outer(scale, scale)
     return SilhouetteFit(
