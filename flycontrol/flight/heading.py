@@ -42,6 +42,15 @@ def headings(samples: FloatArray) -> FloatArray:
     return np.stack([np.unwrap(np.arctan2(-y, x)), rate, acceleration])
 
 
+def nose_heading(q_WS: FloatArray, stroke_plane_angle: float) -> FloatArray:
+    """(N,) psi = atan2(-n_y, n_x), n = R(q_WS) (cos a, 0, -sin a): heading of the nose, right > 0, unwrapped [rad].
+
+    A roll of the stroke plane moves the nose sideways, since it points up by the stroke plane's angle a [rad].
+    """
+    nose = rotation_matrices(q_WS) @ np.array([np.cos(stroke_plane_angle), 0.0, -np.sin(stroke_plane_angle)])
+    return np.unwrap(np.arctan2(-nose[:, 1], nose[:, 0]))
+
+
 def yaw_rates(samples: FloatArray) -> FloatArray:
     """(2, N) yaw rate about the stroke plane's normal [rad/s] and its rate of change [rad/s^2]."""
     return np.stack([samples[:, SPIN + _YAW], samples[:, STATES + 3 + _YAW]])

@@ -40,11 +40,12 @@ def trajectory_mapping(experiment: FlightExperiment, frequency: float, form: Tra
 
 
 def _perturbation(experiment: FlightExperiment, frequency: float) -> list[str]:
-    """The one pulse that turns the fly about its yaw axis; several are no trial of the fit's kind."""
-    turning = [pulse for pulse in experiment.pulses if pulse.torque_S[2] != 0]
-    if len(turning) != 1:
+    """The one pulse, if it turns the fly about its yaw axis; several are no trial of the fit's kind."""
+    if len(experiment.pulses) > 1:
+        return [f"# {len(experiment.pulses)} torque pulses acted, so that none is given here as the [perturbation].\n"]
+    if not experiment.pulses or experiment.pulses[0].torque_S[2] == 0:
         return []
-    pulse = turning[0]
+    pulse = experiment.pulses[0]
     onset, duration = pulse.onset.at(frequency) / ms, pulse.duration.at(frequency) / ms
     return [f'[perturbation]\nonset = "{onset!r} ms"\nduration = "{duration!r} ms"\n']
 

@@ -25,8 +25,9 @@ _MICRO = 1e-6
 
 def simulation_figures(record: FlightRecord, ensemble: FlownEnsemble | None = None) -> dict[str, PageFigure]:
     """Draw every figure that the flight has parts for, by name."""
-    drawn = [_attitude(record), _track(record)]
-    if any(pulse.torque_S[2] for pulse in record.planned.plan.pulses):
+    held = not record.planned.experiment.free
+    drawn = [] if held else [_attitude(record), _track(record)]
+    if not held and any(pulse.torque_S[2] for pulse in record.planned.plan.pulses):
         drawn.append(_yaw(record))
     if record.wingbeats:
         drawn.append(_means(record))
@@ -69,9 +70,9 @@ def _yaw(record: FlightRecord) -> PageFigure:
     peak = float(np.max(np.abs(record.beats.angular_velocity_S[:, 2]), initial=0))
     caption = (
         f"An angular impulse of {significant(impulse, 3, 'N m s')} from outside turns the fly at up to "
-        f"{fixed(peak, 1, 'rad/s')} in the mean of a wingbeat; its heading is farthest from the old one, by "
-        f"{_sided(record.peak_yaw / deg, '°')}, at {milliseconds(record.peak_yaw_time)}. No controller acts: flapping "
-        "alone damps the turn."
+        f"{fixed(peak, 1, 'rad/s')} in the mean of a wingbeat; the heading of its stroke plane is farthest from the "
+        f"old one, by {_sided(record.peak_yaw / deg, '°')}, at {milliseconds(record.peak_yaw_time)}. No controller "
+        "acts: flapping alone damps the turn."
     )
     return _page_figure("yaw", yaw_response(record), "Yaw response", caption)
 

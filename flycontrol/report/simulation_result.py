@@ -15,6 +15,7 @@ import numpy as np
 
 from flycontrol.flight.experiment_ensemble import ANGLES, FlownEnsemble
 from flycontrol.flight.flight_record import FlightRecord
+from flycontrol.flight.heading import nose_heading
 from flycontrol.flight.quasi_steady import TERMS
 from flycontrol.model.flight_experiment import FlightExperiment
 from flycontrol.report.result import finite
@@ -63,7 +64,8 @@ FIELDS: dict[str, str] = {
     "yaw.peak_rate_rad_per_s": "fastest mean of a wingbeat about the stroke-plane normal",
     "end.time_ms": "last instant",
     "end.position_mm[]": "ahead, left, up in the world",
-    "end.heading_deg": "to the right",
+    "end.heading_deg": "of the stroke plane's forward axis, to the right",
+    "end.nose_heading_deg": "of the nose, which a roll swings sideways, to the right",
     "end.nose_up_deg": "of the stroke plane",
     "end.roll_deg": "right side down",
     "end.velocity_m_per_s[]": "forward, right, down of the stroke-plane frame",
@@ -218,13 +220,14 @@ def _mean(record: FlightRecord) -> dict[str, Any] | None:
 
 
 def _end(record: FlightRecord) -> dict[str, Any] | None:
-    body = record.body
+    body, angle = record.body, record.planned.experiment.morphology.stroke_plane_angle
     if not len(body.time):
         return None
     return {
         "time_ms": body.time[-1] / ms,
         "position_mm": list(body.position_W[-1] / mm),
         "heading_deg": body.yaw[-1] / deg,
+        "nose_heading_deg": nose_heading(body.q_WS, angle)[-1] / deg,
         "nose_up_deg": body.nose_up[-1] / deg,
         "roll_deg": body.roll[-1] / deg,
         "velocity_m_per_s": list(body.velocity_S[-1]),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from flycontrol.flight.flight_record import FlightRecord
+from flycontrol.flight.heading import nose_heading
 from flycontrol.flight.quasi_steady import TERMS
 from flycontrol.model.flight_experiment import FREEDOMS, Joint, TorqueJoint
 from flycontrol.model.steering import Steering
@@ -12,6 +13,8 @@ from flycontrol.report.numbers import degrees, fixed, milliseconds, sentence, si
 from flycontrol.units import deg, mm, nN_m
 
 _MICRO = 1e-6
+_TURNED = 0.5 * deg  #: less is no turn worth a sentence
+_NO_FORCE = "it is a torque about the wing’s axis, no force"
 _TRIMMED = {
     "frequency": ("wingbeat frequency", 1.0, "Hz"),
     "stroke_amplitude": ("stroke amplitude", deg, "deg"),
@@ -45,12 +48,28 @@ def lead(record: FlightRecord) -> list[str]:
     if record.complete and record.mean is not None and planned.plan.fly.air.terms:
         carried = float(record.mean.lift.sum()) / asked.morphology.weight
         sentences.append(f"In the mean over the flight the air carried {fixed(carried, 3)} of its weight.")
-    if record.peak_yaw and planned.plan.pulses:
-        side = "right" if record.peak_yaw > 0 else "left"
-        sentences.append(f"Its heading went {degrees(abs(record.peak_yaw))} to the {side} at the most.")
+    if abs(record.peak_yaw) > _TURNED:
+        sentences = [*_turn(record), *sentences] if record.complete else [*sentences, *_turn(record)]
     if record.complete and planned.trim is not None and asked.free == FREEDOMS and not asked.steering:
         sentences.append("Nothing steers: hover without a controller is unstable, and what a pulse has begun grows.")
     return sentences
+
+
+def _turn(record: FlightRecord) -> list[str]:
+    """How far it turned, by the stroke plane and by the nose."""
+    body, angle = record.body, record.planned.experiment.morphology.stroke_plane_angle
+    nose, end = nose_heading(body.q_WS, angle)[-1], float(body.time[-1])
+    still = ", still growing at the end" if record.peak_yaw_time >= end else f" at {milliseconds(record.peak_yaw_time)}"
+    return [
+        f"The heading of its stroke plane went {degrees(abs(record.peak_yaw))} to the {_side(record.peak_yaw)} at the "
+        f"most{still}.",
+        f"At the end the stroke plane heads {degrees(abs(body.yaw[-1]))} to the {_side(body.yaw[-1])} and the nose, "
+        f"which a roll swings sideways, {degrees(abs(nose))} to the {_side(nose)}.",
+    ]
+
+
+def _side(angle: float) -> str:
+    return "right" if angle >= 0 else "left"
 
 
 def fly_rows(record: FlightRecord) -> list[Row]:
@@ -144,7 +163,11 @@ def mean_rows(record: FlightRecord) -> list[Row]:
     weight = record.planned.experiment.morphology.weight
     lift = record.mean.lift[0] / weight
     rows = [
-        Row(term.replace("_", " ").capitalize(), fixed(lift[k], 4), "upward force over the weight")
+        Row(
+            term.replace("_", " ").capitalize(),
+            fixed(lift[k], 4),
+            _NO_FORCE if term == "dissipative" else "upward force over the weight",
+        )
         for k, term in enumerate(TERMS)
     ]
     power = float(record.mean.power[0])

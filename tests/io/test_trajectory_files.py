@@ -120,3 +120,14 @@ def test_a_full_disk_is_a_sentence_and_no_crash(form, limit, tmp_path):
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, env=os.environ)
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout == f"{FILE_NAMES[form]} could not be written: File too large.\n"
+
+
+def test_two_pulses_leave_a_mapping_without_a_perturbation_and_with_a_remark(tmp_path):
+    from flycontrol.io.flight_experiments import read_flight_experiment
+    from flycontrol.io.trajectory_mapping import trajectory_mapping
+
+    pulse = '[[pulse]]\naxis = "{}"\ntorque = "1e-9 N m"\nonset = "2 wingbeats"\nduration = "2 wingbeats"\n'
+    (tmp_path / "two.toml").write_text(pulse.format("yaw") + pulse.format("roll"))
+    text = trajectory_mapping(read_flight_experiment(tmp_path / "two.toml"), 220.0, "netcdf")
+    assert "\n[perturbation]" not in text
+    assert "# 2 torque pulses acted" in text

@@ -1,12 +1,17 @@
 import json
 import re
 
+import numpy as np
 import pytest
 
 from flycontrol.flight.experiments import planned_flight
 from flycontrol.flight.flight_record import FlightRecorder
+from flycontrol.flight.heading import nose_heading
 from flycontrol.io.flight_experiments import read_flight_experiment
+from flycontrol.report.simulation_figures import simulation_figures
 from flycontrol.report.simulation_result import FIELDS, flight_provenance, simulation_result_json
+from flycontrol.report.simulation_words import lead
+from flycontrol.units import deg
 
 
 @pytest.fixture(scope="module")
@@ -52,3 +57,27 @@ def test_forces_by_term_add_up_to_all(record):
     )
     lift = found["mean"]["lift_weights"]
     assert sum(value for term, value in lift.items() if term != "all") == pytest.approx(lift["all"], rel=1e-12)
+
+
+def test_a_roll_swings_the_nose_sideways_and_the_stroke_planes_heading_not():
+    roll, angle = 20 * deg, 55 * deg
+    level = np.array([0.0, 1.0, 0.0, 0.0])  # x forward, y right, z down in a world with z up
+    rolled = np.array([[-np.sin(roll / 2), np.cos(roll / 2), 0.0, 0.0]])  # level, then about its own x
+    assert nose_heading(level[None], angle) == pytest.approx([0.0], abs=1e-15)
+    sideways = np.arctan2(np.sin(angle) * np.sin(roll), np.cos(angle))
+    assert np.abs(nose_heading(rolled, angle)) == pytest.approx([sideways], rel=1e-12)
+
+
+def test_the_lead_begins_with_the_turn_and_names_the_nose(record):
+    first, second = lead(record)[:2]
+    assert first.startswith("The heading of its stroke plane went")
+    assert "the nose" in second
+
+
+def test_a_held_body_has_no_figures_of_its_turning(tmp_path):
+    (tmp_path / "held.toml").write_text('[trim]\nmoves = []\n[body]\nfree = "none"\n[march]\nwingbeats = 2\n')
+    planned = planned_flight(read_flight_experiment(tmp_path / "held.toml"))
+    recorder = FlightRecorder(planned)
+    for piece in planned.chunks():
+        recorder.add(piece)
+    assert not {"attitude", "track", "yaw"} & set(simulation_figures(recorder.finish()))

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from flycontrol.flight.flight_record import FlightRecord
+from flycontrol.flight.heading import nose_heading
 from flycontrol.report.figures.flight_panels import at_least, legend_above, panels_over_time, span_of
 from flycontrol.report.style import EXACT, MARK, PADE, in_house_style
 from flycontrol.units import deg, ms, nN_m
@@ -51,7 +52,10 @@ def yaw_response(record: FlightRecord) -> Figure:
         torque += [0.0, pulse.torque_S[2], pulse.torque_S[2], 0.0]
     end = planned.experiment.wingbeats / planned.frequency
     panels[0].plot(np.array([*edges, end]) / ms, np.array([*torque, 0.0]) / nN_m, color=EXACT, linewidth=1.6)
-    panels[1].plot(body.time / ms, body.yaw / deg, color=EXACT, linewidth=1.6)
+    panels[1].plot(body.time / ms, body.yaw / deg, color=EXACT, linewidth=1.6, label="stroke plane")
+    nose = nose_heading(body.q_WS, planned.experiment.morphology.stroke_plane_angle)
+    panels[1].plot(body.time / ms, nose / deg, color=PADE, linewidth=1.4, linestyle=(0, (4, 2)), label="nose")
+    panels[1].legend(loc="upper left", ncols=2)
     panels[2].plot(
         body.time / ms, body.angular_velocity_S[:, 2], color="#69add5", linewidth=0.9, label="within wingbeats"
     )
