@@ -7,6 +7,7 @@ name in a larger file, such as an experiment's. A table may start from another f
 
 from __future__ import annotations
 
+import os
 import tomllib
 from pathlib import Path
 from typing import Any, cast
@@ -99,6 +100,8 @@ def _completed(given: dict[str, Any], read: QuantityReader, folder: Path, begun:
         raise read.refusal("fly", f"is {fly!r}; the name of a published fly or of a morphology file is needed")
     if folder / fly in begun or len(begun) > _LONGEST_CHAIN:
         raise read.refusal("fly", f"is {fly!r}, which starts from this file; flies must not start from one another")
+    if fly not in PUBLISHED and not Path(fly).suffix and not os.path.exists(folder / fly):  # noqa: PTH110 a name may be no path
+        raise read.refusal("fly", f"is {fly!r}: there is no such file, and published here are {', '.join(PUBLISHED)}")
     start = published_morphology(fly) if fly in PUBLISHED else _read_from(folder / fly, begun)
     base = tomllib.loads(morphology_text(start))
     changes = {key: value for key, value in given.items() if key != "fly"}

@@ -127,7 +127,9 @@ def test_what_cannot_be_meant_is_refused_with_file_line_and_a_way_out(refused):
     )
     assert "three different names are needed" in refused('[trim]\nmoves = ["frequency"]')
     assert "line 2: stroke.frequency is '220 kHz', outside the plausible" in refused('[stroke]\nfrequency = "220 kHz"')
-    assert "a_wasp: there is no such file" in refused('[morphology]\nfly = "a_wasp"')
+    assert "line 2: morphology.fly is 'a_wasp': there is no such file, and published here are drosophila" in refused(
+        '[morphology]\nfly = "a_wasp"'
+    )
     assert "line 2: stroke.both.kind is 'Wang'" in refused('[stroke.both]\nkind = "Wang"')
     assert "has no stiffness, which a spring needs" in refused('[hinges]\npitch = { kind = "spring" }')
     assert "is not of a spring" in refused('[hinges]\npitch = { kind = "spring", amplitude = "1e-9 N m" }')
