@@ -23,8 +23,8 @@ _TOO_FAR = np.cos(np.radians(60.0))  #: of a span from the expected one
 _SECTION = 0.12  #: half width of the section from which the chord is read, in wing lengths
 _OUTER = 0.3  #: of the wing length from the base: nearer voxels belong to body and wing alike
 #: Of hull coordinates, by comparison with simulated flights (C): lengths in voxels, turns in radians.
-_SPREAD_MOVE, _SPREAD_TURN, _SPREAD_ROLL = 1.5, 3 * deg, 6 * deg
-_SPREAD_SPAN, _SPREAD_PITCH, _SPREAD_BASE = 4 * deg, 10 * deg, 4.0
+_SPREAD_MOVE, _SPREAD_TURN, _SPREAD_ROLL = 1.5, 3 * deg, 20 * deg
+_SPREAD_SPAN, _SPREAD_PITCH, _SPREAD_BASE = 15 * deg, 30 * deg, 4.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

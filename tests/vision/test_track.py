@@ -133,12 +133,3 @@ def test_ten_wingbeats_of_a_turn_with_legs_are_tracked_without_a_hint_and_withou
     assert np.all(rms(away[:, 3:12]) < AIMS)
     assert np.max(np.abs(away[:, 6:8])) < 15 * deg  # a swap of wings would be some 20 deg and more here
     assert rms(away[:, :3]).max() < 0.5 / SCALE
-
-
-@pytest.mark.slow
-def test_the_hull_alone_keeps_left_and_right_over_three_wingbeats():
-    pose = turning_flight(3)
-    found = track(drawn(pose), CAMERAS, FLY, refine=False)
-    away = apart(found.pose, pose)[found.believed]
-    assert np.mean(found.believed) > 0.95
-    assert np.all(np.median(np.abs(away[:, 3:12]), axis=0) < 10 * deg)
