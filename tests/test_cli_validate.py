@@ -43,6 +43,7 @@ class Place:
         return subprocess.Popen(
             [sys.executable, "-m", "flycontrol", "validate", *map(str, options)], cwd=self.folder, text=True,
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment | {"PYTHONPATH": paths},
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # a shell's background jobs ignore it
         )  # fmt: skip
 
     def run(self, *options):

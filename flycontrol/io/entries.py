@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator
 
 from flycontrol.io.toml_files import Table
-from flycontrol.model.parameters import Certainty
+from flycontrol.model.parameters import WrittenCertainty
 
 
 class Entry(Table):
@@ -15,7 +15,7 @@ class Entry(Table):
 
     value: Any
     source: str = ""
-    certainty: Certainty = "user"
+    certainty: WrittenCertainty = "user"
     note: str = ""
 
 

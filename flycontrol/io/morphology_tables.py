@@ -10,7 +10,7 @@ from flycontrol.io.entries import QuantityEntry
 from flycontrol.io.planform_files import PlanformFormat
 from flycontrol.io.series_conventions import Constant
 from flycontrol.io.toml_files import Table
-from flycontrol.model.parameters import Certainty
+from flycontrol.model.parameters import WrittenCertainty
 
 CHORD_KEYS = ("mean_chord", "wing_length_over_mean_chord", "wing_area")  #: one of them is needed
 
@@ -25,7 +25,7 @@ class PlanformTable(Table):
     span: list[float] | None = None  #: fractions of the wing length, rising from 0 to 1
     chord: list[float] | None = None  #: in any one unit: mean_chord sets the size
     source: str = ""
-    certainty: Certainty = "user"
+    certainty: WrittenCertainty = "user"
     note: str = ""
 
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import Literal, get_args
+from typing import Literal
 
 from flycontrol.errors import InvalidParameterError
 from flycontrol.model.references import cite
 
-Certainty = Literal["S", "S2", "C", "user", "fit", "fixed"]
+WrittenCertainty = Literal["S", "S2", "C", "user"]
+"""What a file may say."""
+Certainty = WrittenCertainty | Literal["fit", "fixed"]
 
 CERTAINTIES: dict[Certainty, str] = {
     "S": "read in the source",
@@ -32,10 +34,8 @@ class Sourced:
     text: str = ""  #: as the parameter file writes it, "13.6 ms"
 
     def __post_init__(self) -> None:
-        if self.certainty not in get_args(Certainty):
-            raise InvalidParameterError(
-                f"Certainty must be one of {', '.join(get_args(Certainty))}, got {self.certainty!r}."
-            )
+        if self.certainty not in CERTAINTIES:
+            raise InvalidParameterError(f"Certainty must be one of {', '.join(CERTAINTIES)}, got {self.certainty!r}.")
         if self.source:
             cite(self.source)
 

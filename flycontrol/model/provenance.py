@@ -8,7 +8,7 @@ from typing import get_args
 
 from flycontrol.errors import InvalidParameterError
 from flycontrol.model.morphology import Morphology
-from flycontrol.model.parameters import Certainty
+from flycontrol.model.parameters import WrittenCertainty
 from flycontrol.model.references import cite
 
 
@@ -17,13 +17,13 @@ class Provenance:
     """Source, certainty and note of one quantity."""
 
     source: str = ""  #: a key of references.bib; empty for a user's own value
-    certainty: Certainty = "user"
+    certainty: WrittenCertainty = "user"
     note: str = ""
 
     def __post_init__(self) -> None:
-        if self.certainty not in get_args(Certainty):
+        if self.certainty not in get_args(WrittenCertainty):
             raise InvalidParameterError(
-                f"Certainty must be one of {', '.join(get_args(Certainty))}, got {self.certainty!r}."
+                f"Certainty must be one of {', '.join(get_args(WrittenCertainty))}, got {self.certainty!r}."
             )
         if self.source:
             cite(self.source)

@@ -45,4 +45,4 @@ def test_what_no_fly_can_have_is_refused(fly, name, value):
 
 
 def test_every_letter_of_certainty_is_explained():
-    assert set(CERTAINTIES) == {"S", "S2", "C", "user"}
+    assert set(CERTAINTIES) == {"S", "S2", "C", "user", "fit", "fixed"}

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from drawn_flights import BARE, CAMERAS, SCALE, STROKE_PLANE, WITH_LEGS, apart, drawn, turning_flight
+from filmed_flights import BARE, CAMERAS, SCALE, STROKE_PLANE, WITH_LEGS, apart, drawn, turning_flight
 
 from flycontrol.units import deg
 from flycontrol.vision.dissection import BODY, LEFT, REST, RIGHT, dissect

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from drawn_flights import BARE, CAMERAS, SCALE, STROKE_PLANE, apart, drawn, turning_flight
+from filmed_flights import BARE, CAMERAS, SCALE, STROKE_PLANE, apart, drawn, turning_flight
 
 from flycontrol.units import deg, um
 from flycontrol.vision.fit_shape import fit_shape

@@ -1,5 +1,5 @@
 import numpy as np
-from drawn_flights import STROKE_PLANE, turning_flight
+from filmed_flights import STROKE_PLANE, turning_flight
 
 from flycontrol.units import mm, um
 from flycontrol.vision.stance import coordinate_covariance, pose_of, stances_of, step_between, stepped
