@@ -43,7 +43,7 @@ class Place:
         return subprocess.Popen(
             [sys.executable, "-m", "flycontrol", "validate", *map(str, options)], cwd=self.folder, text=True,
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment | {"PYTHONPATH": paths},
-            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # a shell's background jobs ignore it
+            preexec_fn=heed_ctrl_c,  # noqa: PLW1509 (no threads run in a test)
         )  # fmt: skip
 
     def run(self, *options):
@@ -58,6 +58,11 @@ class Place:
     @property
     def runs(self):
         return sorted(self.log.read_text().split()) if self.log.exists() else []
+
+
+def heed_ctrl_c():
+    """A shell's background jobs, and what they start, ignore it."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 @pytest.fixture
