@@ -3,7 +3,6 @@
 import json
 import os
 import re
-import resource
 import subprocess
 import sys
 from pathlib import Path
@@ -11,7 +10,6 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-BUDGET = 2 * 600  #: ten minutes on two cores, in seconds of one [s]
 NUMBER = r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
 
 pytestmark = pytest.mark.slow
@@ -19,13 +17,11 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def whole(real_data, tmp_path_factory):
-    """The folder of a run from nothing, what it said, and its CPU time [s]."""
+    """The folder of a run from nothing, and what it said."""
     out = tmp_path_factory.mktemp("validation")
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
     status, said = validated(out, real_data)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
     assert status == 0, said
-    return out, said, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return out, said
 
 
 def validated(out, data):
@@ -51,12 +47,8 @@ def row(found, analysis, words):
     return only
 
 
-def test_all_of_it_takes_less_than_ten_minutes_of_two_cores(whole):
-    assert whole[2] < BUDGET
-
-
 def test_a_second_run_runs_nothing_and_writes_the_same_bytes(whole, real_data):
-    out, _, _ = whole
+    out, _ = whole
     before = {path: path.read_bytes() for path in out.rglob("*") if path.is_file()}
     status, said = validated(out, real_data)
     assert status == 0
@@ -65,7 +57,7 @@ def test_a_second_run_runs_nothing_and_writes_the_same_bytes(whole, real_data):
 
 
 def test_every_analysis_ran_and_every_row_leads_to_a_report(whole, found):
-    out, _, _ = whole
+    out, _ = whole
     assert all(not analysis["failure"] for analysis in found["analyses"])
     assert all((out / claim["link"]).is_file() for claim in found["claims"])
     stating = {analysis["name"] for analysis in found["analyses"] if analysis["claims"]}
