@@ -33,7 +33,8 @@ class FlightState:
 class StepError:
     """What Runge-Kutta's steps get wrong in one wingbeat, by repeating it with half as many.
 
-    |x(2 h) - x(h)| / 15: the fourth order's share, an estimate where the motion is smooth.
+    |x(2 h) - x(h)| / 15: the fourth order's share, an estimate where the motion is smooth. Where lift jumps as a wing
+    reverses, the order falls to about one, and the error is some 2 to 30 times this (`analyses/how_many_steps.py`).
     """
 
     position: float  #: [m]
