@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import get_args
 
 from flycontrol.io.claims import Claim, Verdict
+from flycontrol.report.numbers import counted
 
 #: Sections of the review with claims, and their figures.
 SECTIONS = {
@@ -102,19 +103,15 @@ def summary(validation: Validation) -> str:
     """Count agreement and failure in a sentence or two."""
     count = tally(validation.rows)
     judged = sum(count[verdict] for verdict in ("agrees", "roughly", "fails", "cannot be told"))
-    agree, roughly, fail = (_counted(count[verdict], *words) for verdict, words in _VERBS.items())
+    agree, roughly, fail = (counted(count[verdict], *words) for verdict, words in _VERBS.items())
     sentence = (
         f"Of {judged} claims and numbers of the review and its sources, {agree} with what the package finds, {roughly} "
         f"and {fail}"
     )
     sentence += f"; {count['cannot be told']} cannot be told." if count["cannot be told"] else "."
     if count["shown here"]:
-        sentence += f" {_counted(count['shown here'], 'more goes', 'more go')} beyond the review."
+        sentence += f" {counted(count['shown here'], 'more goes', 'more go')} beyond the review."
     if validation.failed:
         names = ", ".join(finding.name for finding in validation.failed)
         sentence += f" {len(validation.failed)} of {len(validation.findings)} analyses could not be run: {names}."
     return sentence
-
-
-def _counted(number: int, one: str, many: str) -> str:
-    return f"{number} {one if number == 1 else many}"
