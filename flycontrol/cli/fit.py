@@ -120,11 +120,10 @@ def fit(
     options = replace(_options(noise, loss, level, seed), bootstrap=bootstrap)
     request = FitRequest(
         controller=controller, fix=fix or (), estimate=estimate or (), prior=prior or (), bound=bound or (),
-        shared=shared,
     )  # fmt: skip
     if spontaneous:
         _refuse_options_of_a_pulse(request)
-    requested_sharing(shared)
+    sharing = requested_sharing(shared)
     requested_model(request, paddling=False)  # refuse before hundreds of files are read
     fly = read_parameters(parameters)
     from flycontrol.identify.gains.apart import study_of
@@ -142,7 +141,7 @@ def fit(
         kept = None if folder is None else folder / "unfinished"
         stages = Stages(workers=crew, folder=kept, progress=progress)
         with kept_when_interrupted(kept):
-            found = study_of(trials, model, options, stages, requested_sharing(request.shared))
+            found = study_of(trials, model, options, stages, sharing)
             report = report_of(found, command)
             where = "done"
             if folder is not None:

@@ -28,7 +28,6 @@ class FitRequest:
     estimate: Sequence[str] = ()  #: "onset_shift"
     prior: Sequence[str] = ()  #: "damping=69 +- 5 1/s"
     bound: Sequence[str] = ()  #: "delay=5 ms .. 30 ms"
-    shared: str = "auto"
 
 
 def requested_model(request: FitRequest, *, paddling: bool) -> GainModel:

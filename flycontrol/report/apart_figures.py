@@ -25,7 +25,7 @@ def _fits(study: ApartStudy) -> PageFigure | None:
     count = sum(fit.usable for fit in study.group.fits)
     if not count:
         return None
-    which = f"The first {MOST} of {count} {study.by}s" if count > MOST else f"Each {study.by}"
+    which = f"The first {MOST} of {count} {study.plural}" if count > MOST else f"Each {study.by}"
     mean = (
         " Diamond: the mean over them, with an interval that carries the spread between them." if study.effects else ""
     )

@@ -53,7 +53,7 @@ def apart_page(study: ApartStudy, origin: FitProvenance) -> str:
         figures=figures,
         numbers={name: k for k, name in enumerate(figures, start=1)},
         level=f"{100 * study.level:g}",
-        noun=apart_tables.noun(study),
+        noun=study.by,
         effects=effect_rows(study.group),
         kinds=apart_tables.heads(study),
         estimates=apart_tables.estimate_rows(study),

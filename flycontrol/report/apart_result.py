@@ -75,7 +75,7 @@ def apart_table(study: ApartStudy) -> str:
         spreads = [f"{effects[k][2]} ({effects[k][3]})" if k in effects else "" for k in kinds_of(study)]
         lines += [
             f"| mean | | {' | '.join(means)} | |",
-            f"| standard deviation between {study.by}s | | {' | '.join(spreads)} | |",
+            f"| standard deviation between {study.plural} | | {' | '.join(spreads)} | |",
         ]
     controller = study.members[0].study.result.controller
     foot = (

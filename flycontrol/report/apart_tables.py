@@ -10,18 +10,8 @@ from flycontrol.report.fit_words import KINDS, OF_THE_LOOP, digits_for
 from flycontrol.report.numbers import ABSENT, fixed
 from flycontrol.units import deg, ms
 
-#: Margin, its words, and the size of its unit.
-_MARGINS = (
-    ("gain_margin", "gain margin [1]", 1.0),
-    ("delay_margin", "delay margin [ms]", ms),
-    ("modulus_margin", "modulus margin [1]", 1.0),
-    ("recovery_time", "recovery [ms]", ms),
-)
-
-
-def noun(study: ApartStudy) -> str:
-    """What a member is."""
-    return study.by
+#: What `Consequences` has intervals of, and the size of the unit that the table's head names.
+_MARGINS = (("gain_margin", 1.0), ("delay_margin", ms), ("modulus_margin", 1.0), ("recovery_time", ms))
 
 
 def kinds_of(study: ApartStudy) -> list[str]:
@@ -79,7 +69,7 @@ def _margins(member: Member, level: float) -> tuple[str, ...]:
         return ()
     values = (at.margins.gain_margin, at.margins.delay_margin, at.margins.modulus_margin, at.recovery_time)
     cells: list[str] = []
-    for (name, _, size), value in zip(_MARGINS, values, strict=True):
+    for (name, size), value in zip(_MARGINS, values, strict=True):
         low, high = (end / size for end in found.interval(name, level))
         digits = digits_for(abs(high - low) / 4, low)
         shown = fixed(None if value is None else value / size, digits)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flycontrol.identify.gains.apart import differ
 from flycontrol.identify.gains.model import GAINS
 from flycontrol.identify.gains.result import Estimate, FitResult
 from flycontrol.identify.gains.ridge import Ridge
@@ -30,7 +31,6 @@ KINDS: dict[str, tuple[str, str, str, float]] = {
     "heading": ("heading that the fly keeps", "ψ<sub>0</sub>", "deg", deg),
     "paddling_gain": ("paddling torque by angle, over inertia", "γ/<i>I</i>", "1000/s² per rad", 1e3),
 }
-_DIFFERENT = 0.01  #: p of the homogeneity test under which pooled intervals need a word
 _MOST_OF_IT = 0.5  #: share of a ridge's window from which there is no valley in it
 _TERMS = {"kp": "K_P psi", "kd": "K_D psi'", "ki": "K_I integral of psi"}
 OF_THE_LOOP = ("kp", "kd", "ki", "delay", "damping", "limit", "paddling_gain")
@@ -119,7 +119,7 @@ def plain(symbol: str) -> str:
 def differing_flies(study: FitStudy) -> str:
     """What pooled intervals leave out where the flies differ: means over flies with their intervals; else empty."""
     flies = study.flies
-    if flies is None or flies.homogeneity is None or not flies.homogeneity.p < _DIFFERENT:
+    if flies is None or not differ(flies):
         return ""
     said: list[str] = []
     for effect in flies.effects:

@@ -52,6 +52,7 @@ def test_the_numbers_of_each_fly_are_those_of_its_own_fit(study, origin):
     assert float(next(row for row in rows if row["member"] == "fly2" and row["name"] == "kp")["value"]) == kp
     table = apart_table(study)
     assert "| mean |" in table
+    assert "| standard deviation between flies |" in table
     assert all(f"| {member.name} |" in table for member in study.members)
 
 

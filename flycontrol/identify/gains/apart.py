@@ -43,6 +43,11 @@ class ApartStudy:
     seed: int
 
     @property
+    def plural(self) -> str:
+        """Flies, or recordings."""
+        return {"fly": "flies", "recording": "recordings"}[self.by]
+
+    @property
     def effects(self) -> tuple[RandomEffects, ...]:
         """Mean and spread of each unknown."""
         return self.group.effects
@@ -55,8 +60,7 @@ class ApartStudy:
     @property
     def status(self) -> str:
         """Why they stand apart, and how many fits can be used."""
-        who = {"fly": "flies", "recording": "recordings"}[self.by]
-        test = self.group.homogeneity
+        who, test = self.plural, self.group.homogeneity
         why = f"each of {len(self.members)} {who} has gains of its own, as asked"
         if not self.asked and test is not None:
             why = f"the {len(self.members)} {who} differ (p = {test.p:.2g}), so each has gains of its own"
@@ -91,15 +95,16 @@ def study_of(
     if shared == "all" or len(grouped(trials, by)) < 2:
         return fit_study(trials, model, options, stages)
     group = group_of(trials, model, by, options, stages)
-    if shared == "auto" and not _differ(group):
-        return fit_study(trials, model, options, stages)
+    if shared == "auto" and not differ(group):
+        return fit_study(trials, model, options, stages, flies=group)
     return ApartStudy(
         by=by, members=_members(trials, model, by, options, stages), group=group, asked=shared != "auto",
         level=options.level, seed=options.seed,
     )  # fmt: skip
 
 
-def _differ(group: Group) -> bool:
+def differ(group: Group) -> bool:
+    """Whether fits alone differ by so much that pooled intervals would mislead."""
     return group.homogeneity is not None and group.homogeneity.p < DIFFERENT
 
 

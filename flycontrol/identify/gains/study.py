@@ -89,7 +89,12 @@ class FitOptions:
 
 
 def fit_study(
-    trials: Sequence[Trial], model: GainModel, options: FitOptions | None = None, stages: Stages | None = None
+    trials: Sequence[Trial],
+    model: GainModel,
+    options: FitOptions | None = None,
+    stages: Stages | None = None,
+    *,
+    flies: Group | None = None,
 ) -> FitStudy:
     """Fit a model to trials and look at the fit from all sides.
 
@@ -101,6 +106,8 @@ def fit_study(
         How to fit.
     stages
         Workers, folder for finished parts, progress; the result does not depend on them.
+    flies
+        `group_of` the same trials by fly, if it is known already.
 
     Raises
     ------
@@ -109,7 +116,7 @@ def fit_study(
     OutputError
         If finished parts cannot be kept.
     """
-    return _Study(trials, model, options or FitOptions(), stages or Stages()).run()
+    return _Study(trials, model, options or FitOptions(), stages or Stages(), flies).run()
 
 
 def group_of(trials: Sequence[Trial], model: GainModel, by: By, options: FitOptions, stages: Stages) -> Group:
@@ -132,7 +139,10 @@ def group_of(trials: Sequence[Trial], model: GainModel, by: By, options: FitOpti
 class _Study:
     """The parts in their order, and the sentences of those that could not be had."""
 
-    def __init__(self, trials: Sequence[Trial], model: GainModel, options: FitOptions, stages: Stages) -> None:
+    def __init__(
+        self, trials: Sequence[Trial], model: GainModel, options: FitOptions, stages: Stages, flies: Group | None
+    ) -> None:
+        self.known = {"fly": flies}
         self.trials, self.model, self.options, self.stages = trials, model, options, stages
         self.identity = identity_of(trials, model, options.noise, options.loss, options.level)
         self.absent: dict[str, str] = {}
@@ -180,7 +190,7 @@ class _Study:
     def _group(self, by: By, count: int) -> Group | None:
         if count < 2 or not self.pooled:
             return None
-        group = group_of(self.trials, self.model, by, self.options, self.stages)
+        group = self.known.get(by) or group_of(self.trials, self.model, by, self.options, self.stages)
         if group.homogeneity is None:
             usable = sum(fit.usable for fit in group.fits)
             self.absent[by] = f"Only {usable} of {count} could be fitted alone, so they are not compared."

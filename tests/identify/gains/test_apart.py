@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from perturbed_fly import AT_REST, TRUTH, recording
 
+from flycontrol.identify.gains import study
+from flycontrol.identify.gains.alone import fits_alone
 from flycontrol.identify.gains.apart import ApartStudy, as_folder, study_of
 from flycontrol.identify.gains.model import gain_model
 from flycontrol.identify.gains.stages import Stages
@@ -81,3 +83,10 @@ def test_names_become_plain_and_different_folders():
         found = as_folder(name, taken)
         assert found == folder
         taken.add(found.lower())
+
+
+def test_flies_that_agree_are_fitted_alone_once(monkeypatch):
+    calls = []
+    monkeypatch.setattr(study, "fits_alone", lambda *a, **k: calls.append(k["by"]) or fits_alone(*a, **k))
+    study_of(experiment(FLIES), MODEL, OPTIONS)
+    assert sorted(calls) == ["fly", "recording"]
