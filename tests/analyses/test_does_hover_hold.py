@@ -1,10 +1,9 @@
-import importlib.util
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from lab_note import lab_note
 
 from flycontrol.model.references import cite
 from flycontrol.units import deg, ms
@@ -17,10 +16,7 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
     """The lab note as a module, its findings, and the folder that it wrote."""
-    spec = importlib.util.spec_from_file_location("does_hover_hold", ANALYSES / "does_hover_hold.py")
-    note = importlib.util.module_from_spec(spec)
-    sys.modules["does_hover_hold"] = note
-    spec.loader.exec_module(note)
+    note = lab_note("does_hover_hold")
     folder = tmp_path_factory.mktemp("does_hover_hold")
     return note, note.main(folder), folder
 

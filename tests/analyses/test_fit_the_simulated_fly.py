@@ -1,15 +1,11 @@
 """The claims of the lab note that fits recordings of beating wings, on what it finds."""
 
-import importlib.util
 import json
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 import scipy.stats
-
-ANALYSES = Path(__file__).resolve().parents[2] / "analyses"
+from lab_note import lab_note
 
 pytestmark = pytest.mark.slow
 
@@ -17,10 +13,7 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
     """The lab note as a module, its findings, and the folder that it wrote."""
-    spec = importlib.util.spec_from_file_location("fit_the_simulated_fly", ANALYSES / "fit_the_simulated_fly.py")
-    note = importlib.util.module_from_spec(spec)
-    sys.modules["fit_the_simulated_fly"] = note
-    spec.loader.exec_module(note)
+    note = lab_note("fit_the_simulated_fly")
     folder = tmp_path_factory.mktemp("fit_the_simulated_fly")
     return note, note.main(folder), folder
 

@@ -1,10 +1,9 @@
-import importlib.util
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from lab_note import lab_note
 
 ANALYSES = Path(__file__).resolve().parents[2] / "analyses"
 
@@ -14,10 +13,7 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
     """The lab note as a module, its findings, and the folder that it wrote."""
-    spec = importlib.util.spec_from_file_location("flutter_or_tumble", ANALYSES / "flutter_or_tumble.py")
-    note = importlib.util.module_from_spec(spec)
-    sys.modules["flutter_or_tumble"] = note
-    spec.loader.exec_module(note)
+    note = lab_note("flutter_or_tumble")
     folder = tmp_path_factory.mktemp("flutter_or_tumble")
     return note, note.main(folder), folder
 

@@ -1,12 +1,11 @@
 """The claims of the lab note on the wing's hinge, on what it finds."""
 
-import importlib.util
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from lab_note import lab_note
 
 from flycontrol.units import deg
 
@@ -18,10 +17,7 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def results(real_data, tmp_path_factory):
     """The lab note's findings and the folder that it wrote."""
-    spec = importlib.util.spec_from_file_location("hinge_as_a_spring", ANALYSES / "hinge_as_a_spring.py")
-    note = importlib.util.module_from_spec(spec)
-    sys.modules["hinge_as_a_spring"] = note
-    spec.loader.exec_module(note)
+    note = lab_note("hinge_as_a_spring")
     note.DATA = real_data
     folder = tmp_path_factory.mktemp("hinge_as_a_spring")
     return note.main(folder), folder

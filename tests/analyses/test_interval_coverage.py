@@ -1,11 +1,9 @@
-import importlib.util
 import json
-from pathlib import Path
 
 import pytest
 import scipy.stats
+from lab_note import lab_note
 
-ANALYSES = Path(__file__).resolve().parents[2] / "analyses"
 RECORDINGS = 120
 
 pytestmark = pytest.mark.slow
@@ -14,9 +12,7 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
     """The accounts, and the folder that the lab note wrote."""
-    spec = importlib.util.spec_from_file_location("interval_coverage", ANALYSES / "interval_coverage.py")
-    note = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(note)
+    note = lab_note("interval_coverage")
     folder = tmp_path_factory.mktemp("coverage")
     return note.main(folder, RECORDINGS, 1), folder
 

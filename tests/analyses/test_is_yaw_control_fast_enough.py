@@ -1,29 +1,19 @@
 """The note's numbers hang together, and its words say what they show."""
 
-import importlib.util
 import json
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
+from lab_note import lab_note
 
 from flycontrol.io.parameters import read_parameters
 from flycontrol.report.nominal import yaw_loop
-
-ANALYSES = Path(__file__).resolve().parents[2] / "analyses"
 
 
 @pytest.fixture(scope="module")
 def note():
     """The lab note as a module."""
-    name = "is_yaw_control_fast_enough"
-    spec = importlib.util.spec_from_file_location(name, ANALYSES / f"{name}.py")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module  # dataclasses look their module up
-    spec.loader.exec_module(module)
-    yield module
-    del sys.modules[name]
+    return lab_note("is_yaw_control_fast_enough")
 
 
 def test_the_links_spend_the_whole_delay_and_their_phases_leave_the_phase_margin(note):

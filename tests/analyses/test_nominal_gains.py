@@ -1,8 +1,8 @@
-import importlib.util
 import json
 from pathlib import Path
 
 import pytest
+from lab_note import lab_note
 
 from flycontrol.units import ms
 
@@ -14,9 +14,7 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
     """The candidates by name, and the folder that the lab note wrote."""
-    spec = importlib.util.spec_from_file_location("nominal_gains", ANALYSES / "nominal_gains.py")
-    note = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(note)
+    note = lab_note("nominal_gains")
     folder = tmp_path_factory.mktemp("nominal_gains")
     return {found.name: found for found in note.main(folder)}, folder
 

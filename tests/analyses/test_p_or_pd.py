@@ -1,13 +1,9 @@
-import importlib.util
 import json
-import sys
-from pathlib import Path
 
 import pytest
+from lab_note import lab_note
 
 from flycontrol.units import deg, ms
-
-ANALYSES = Path(__file__).resolve().parents[2] / "analyses"
 
 pytestmark = pytest.mark.slow
 
@@ -15,14 +11,10 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def note():
     """The lab note with fewer repetitions, at two levels of noise."""
-    spec = importlib.util.spec_from_file_location("p_or_pd", ANALYSES / "p_or_pd.py")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["p_or_pd"] = module  # dataclasses look their module up
-    spec.loader.exec_module(module)
+    module = lab_note("p_or_pd")
     module.VARIANTS = tuple((*variant[:3], 6 if variant[1] == 1 else 2) for variant in module.VARIANTS)
     module.NOISES = (0.3 * deg, 4.8 * deg)
-    yield module
-    del sys.modules["p_or_pd"]
+    return module
 
 
 def test_p_needs_a_delay_that_the_fly_has_not_or_misses_by_degrees(note):

@@ -1,29 +1,20 @@
-import importlib.util
 import json
-import sys
 from math import factorial
-from pathlib import Path
 
 import numpy as np
 import pytest
+from lab_note import lab_note
 
 from flycontrol.delay import margins
 from flycontrol.model.gains import largest_stable_delay
 from flycontrol.units import ms
-
-ANALYSES = Path(__file__).resolve().parents[2] / "analyses"
 
 pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
 def note():
-    spec = importlib.util.spec_from_file_location("pade_or_exact", ANALYSES / "pade_or_exact.py")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["pade_or_exact"] = module  # where dataclasses look their annotations up
-    spec.loader.exec_module(module)
-    yield module
-    del sys.modules["pade_or_exact"]
+    return lab_note("pade_or_exact")
 
 
 @pytest.fixture(scope="module")

@@ -1,16 +1,12 @@
 """The claims of the lab note on recovery with beating wings, on what it finds."""
 
-import importlib.util
 import json
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
+from lab_note import lab_note
 
 from flycontrol.units import deg, ms
-
-ANALYSES = Path(__file__).resolve().parents[2] / "analyses"
 
 pytestmark = pytest.mark.slow
 
@@ -18,10 +14,7 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
     """The lab note as a module, its findings, and the folder that it wrote."""
-    spec = importlib.util.spec_from_file_location("recovery_at_two_levels", ANALYSES / "recovery_at_two_levels.py")
-    note = importlib.util.module_from_spec(spec)
-    sys.modules["recovery_at_two_levels"] = note
-    spec.loader.exec_module(note)
+    note = lab_note("recovery_at_two_levels")
     folder = tmp_path_factory.mktemp("recovery_at_two_levels")
     return note, note.main(folder), folder
 

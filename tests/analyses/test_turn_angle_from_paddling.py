@@ -1,10 +1,9 @@
-import importlib.util
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from lab_note import lab_note
 
 from flycontrol.units import deg, ms
 
@@ -16,10 +15,7 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def results(real_data, tmp_path_factory):
     """The lab note's findings and the folder that it wrote."""
-    spec = importlib.util.spec_from_file_location("turn_angle_from_paddling", ANALYSES / "turn_angle_from_paddling.py")
-    note = importlib.util.module_from_spec(spec)
-    sys.modules["turn_angle_from_paddling"] = note
-    spec.loader.exec_module(note)
+    note = lab_note("turn_angle_from_paddling")
     note.DATA = real_data
     folder = tmp_path_factory.mktemp("turn_angle_from_paddling")
     return note.main(folder), folder

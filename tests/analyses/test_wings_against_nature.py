@@ -1,10 +1,9 @@
-import importlib.util
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from lab_note import lab_note
 
 ANALYSES = Path(__file__).resolve().parents[2] / "analyses"
 
@@ -14,10 +13,7 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def results(real_data, tmp_path_factory):
     """The lab note's findings and the folder that it wrote."""
-    spec = importlib.util.spec_from_file_location("wings_against_nature", ANALYSES / "wings_against_nature.py")
-    note = importlib.util.module_from_spec(spec)
-    sys.modules["wings_against_nature"] = note
-    spec.loader.exec_module(note)
+    note = lab_note("wings_against_nature")
     note.DATA = real_data
     folder = tmp_path_factory.mktemp("wings_against_nature")
     return note.main(folder), folder
