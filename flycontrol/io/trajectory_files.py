@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from pathlib import Path
 from typing import Any, Literal, Protocol, get_args
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from flycontrol.errors import OutputError
 from flycontrol.io.binary.netcdf4_file import netcdf4_file
-from flycontrol.io.trajectory_columns import VARIABLES, table_of
+from flycontrol.io.trajectory_columns import VARIABLES, Variable, table_of
 from flycontrol.model.trajectory import Trajectory
 
 FloatArray = NDArray[np.float64]
@@ -28,16 +28,18 @@ FILE_NAMES: dict[TrajectoryFormat, str] = {
 _DIGITS = "%.15g"
 
 
-class _Table(Protocol):
+class RowTable(Protocol):
     """A file that takes rows."""
 
-    def append(self, rows: dict[str, FloatArray]) -> None: ...
+    def append(self, rows: dict[str, FloatArray]) -> None:
+        """Add rows, (n,) or (n, components) of each variable."""
+        ...
 
 
 class TrajectoryWriter:
     """Takes a flight in pieces, each beginning where the one before it ended."""
 
-    def __init__(self, table: _Table, stroke_plane_angle: float) -> None:
+    def __init__(self, table: RowTable, stroke_plane_angle: float) -> None:
         self._table, self._angle = table, stroke_plane_angle
         self._yaw: float | None = None
         self.samples = 0
@@ -79,16 +81,25 @@ def trajectory_writer(
     OutputError
         If the disk takes no more.
     """
-    opened = _csv(path, name) if form == "csv" else netcdf4_file(path, about, name)
-    with opened as table:
+    with table_file(path, form, VARIABLES, about=about, name=name) as table:
         yield TrajectoryWriter(table, stroke_plane_angle)
 
 
 @contextlib.contextmanager
-def _csv(path: Path, name: str) -> Generator[_Table]:
+def table_file(
+    path: Path, form: TrajectoryFormat, variables: Sequence[Variable], *, about: dict[str, str | float], name: str
+) -> Generator[RowTable]:
+    """Open a new file for rows of any variables, time among them; parameters and errors as of `trajectory_writer`."""
+    opened = _csv(path, name, variables) if form == "csv" else netcdf4_file(path, about, name, variables)
+    with opened as table:
+        yield table
+
+
+@contextlib.contextmanager
+def _csv(path: Path, name: str, variables: Sequence[Variable]) -> Generator[RowTable]:
     try:
         with path.open("x", encoding="ascii", newline="\n") as file:
-            yield _CsvTable(file)
+            yield _CsvTable(file, variables)
             file.flush()
             os.fsync(file.fileno())
     except OSError as error:
@@ -98,10 +109,10 @@ def _csv(path: Path, name: str) -> Generator[_Table]:
 
 
 class _CsvTable:
-    def __init__(self, file: Any) -> None:
-        self._file = file
-        file.write(",".join(column for variable in VARIABLES for column in variable.columns) + "\n")
+    def __init__(self, file: Any, variables: Sequence[Variable]) -> None:
+        self._file, self._variables = file, variables
+        file.write(",".join(column for variable in variables for column in variable.columns) + "\n")
 
     def append(self, rows: dict[str, FloatArray]) -> None:
-        columns = [rows[variable.name].reshape(len(rows["time"]), -1) for variable in VARIABLES]
+        columns = [rows[variable.name].reshape(len(rows["time"]), -1) for variable in self._variables]
         np.savetxt(self._file, np.hstack(columns), fmt=_DIGITS, delimiter=",")

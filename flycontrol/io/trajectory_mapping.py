@@ -21,22 +21,33 @@ def trajectory_mapping(experiment: FlightExperiment, frequency: float, form: Tra
 
     `frequency` is that of the trimmed stroke [1/s].
     """
+    head = _HEAD.format(file=FILE_NAMES[form])
+    angle = experiment.morphology.stroke_plane_angle
+    sections = motion_sections(form, stroke_plane_angle=angle, frequency=frequency)
+    return "\n".join([head, *sections, *_perturbation(experiment, frequency)])
+
+
+def motion_sections(
+    form: TrajectoryFormat, *, stroke_plane_angle: float, frequency: float | None, unwrapped: bool = True
+) -> list[str]:
+    """Tables of a mapping for the variables of `flycontrol.io.trajectory_columns`.
+
+    `frequency` [1/s] is that of the wingbeats, None where unknown; `unwrapped` says that yaw has no jumps.
+    """
     table = form == "csv"
-    angle = experiment.morphology.stroke_plane_angle / deg
-    sections = [
-        _HEAD.format(file=FILE_NAMES[form]),
+    beats = "" if frequency is None else f'wingbeat_frequency = "{frequency!r} Hz"\n'
+    angle = stroke_plane_angle / deg
+    return [
         f'[file]\nformat = "{form}"\n' + ('channels = "columns"\n' if table else ""),
-        f'[clock]\ntime = {{ {_channel("time", table=table)}, unit = "s" }}\nwingbeat_frequency = "{frequency!r} Hz"\n',
+        f'[clock]\ntime = {{ {_channel("time", table=table)}, unit = "s" }}\n{beats}',
         f'[frames]\nworld_z = "up"\nbody_axes = "forward right down"\nstroke_plane_angle = "{angle!r} deg"\n',
-        f'[yaw]\n{_channel("yaw", table=table)}\nunit = "rad"\nunwrapped = true\n',
+        f'[yaw]\n{_channel("yaw", table=table)}\nunit = "rad"\n' + ("unwrapped = true\n" if unwrapped else ""),
         f'[position]\n{_channels("position_W", table=table)}\nunit = "m"\n',
         f'[quaternion]\n{_channels("q_WB", table=table)}\norder = "scalar first"\nrotation = "body to world"\n',
         f'[velocity]\n{_channels("velocity_S", table=table)}\nunit = "m/s"\nframe = "stroke plane"\n',
         f'[angular_velocity]\n{_channels("angular_velocity_S", table=table)}\nunit = "rad/s"\nframe = "stroke plane"\n',
         *(_wing(side, table=table) for side in ("left", "right")),
-        *_perturbation(experiment, frequency),
     ]
-    return "\n".join(sections)
 
 
 def _perturbation(experiment: FlightExperiment, frequency: float) -> list[str]:

@@ -5,19 +5,38 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import json
-from collections.abc import Generator
+from collections.abc import Generator, Sized
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
+from typing import Protocol
 
 from flycontrol.errors import InvalidParameterError, OutputError
 from flycontrol.jobs.files import write_files_atomically
 from flycontrol.jobs.folder_lock import locked_folder
-from flycontrol.jobs.work import Work
 
 _JOB = "job.json"
 _READABLE = 40  #: characters
 _DIGEST = hashlib.sha256().digest_size
+
+
+class Divided(Protocol):
+    """Work in chunks: a `Work`, or one whose chunks follow from one another."""
+
+    @property
+    def seed(self) -> int:
+        """Of all that is drawn at random."""
+        ...
+
+    @property
+    def items(self) -> Sized:
+        """What is to be done."""
+        ...
+
+    @property
+    def chunk_size(self) -> int:
+        """Items in every chunk but the last."""
+        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +109,7 @@ class ChunkFiles:
 
 
 @contextlib.contextmanager
-def opened(checkpoint: Checkpoint, work: Work) -> Generator[ChunkFiles]:
+def opened(checkpoint: Checkpoint, work: Divided) -> Generator[ChunkFiles]:
     """Hold the folder for this job alone.
 
     Raises
@@ -109,7 +128,7 @@ def opened(checkpoint: Checkpoint, work: Work) -> Generator[ChunkFiles]:
         yield ChunkFiles(folder, hashlib.sha256(json.dumps(job).encode()).digest())
 
 
-def _description(checkpoint: Checkpoint, work: Work) -> dict[str, object]:
+def _description(checkpoint: Checkpoint, work: Divided) -> dict[str, object]:
     return {
         "identity": checkpoint.identity,
         "seed": int(work.seed),

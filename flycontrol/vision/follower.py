@@ -78,6 +78,10 @@ class Follower:
             return self._bridged("no stance near the expected one fits these silhouettes", seen)
         return self._believed(found, masks)
 
+    def missed(self, reason: str) -> TrackedFrame:
+        """One more frame that shows nothing."""
+        return self._bridged(reason, None)
+
     def _usual(self, otherwise: float) -> float:
         return float(np.median(self.costs)) if self.costs else otherwise
 

@@ -11,6 +11,7 @@ from flycontrol.model.camera import Camera
 from flycontrol.model.pose import Pose
 from flycontrol.vision.calibration_check import CalibrationCheck
 from flycontrol.vision.follower import Fly
+from flycontrol.vision.size_fit import Sizes
 from flycontrol.vision.smoothed_pose import SmoothedPose
 from flycontrol.vision.tracked_frame import Track
 
@@ -22,7 +23,7 @@ class TrackedFlight:
     """N frames seen by C cameras."""
 
     name: str
-    time: FloatArray  #: (N,) [s]
+    time: FloatArray  #: (N,) since frame 0 of the films [s]
     cameras: tuple[Camera, ...]  #: world z up
     fly: Fly  #: its sizes, as fitted or as given
     sizes_fitted: bool
@@ -31,3 +32,17 @@ class TrackedFlight:
     smoothed: SmoothedPose
     check: CalibrationCheck
     truth: Pose | None = None  #: of a simulated flight
+    frames: range | None = None  #: numbers of the frames in the films; None: all from 0 on
+    sizes: Sizes | None = None  #: fitted factors on the sizes of the fly that was given
+    world: str = "as calibrated"  #: how this world lies in that of the calibration
+    doubt: str = ""  #: what the check of the calibration warns of
+
+    @property
+    def numbers(self) -> NDArray[np.int64]:
+        """(N,) numbers of the frames in the films."""
+        return np.array(range(len(self.time)) if self.frames is None else self.frames, dtype=np.int64)
+
+    @property
+    def frame_rate(self) -> float:
+        """Frames a second [1/s]; NaN of one frame."""
+        return (len(self.time) - 1) / float(self.time[-1] - self.time[0]) if len(self.time) > 1 else np.nan

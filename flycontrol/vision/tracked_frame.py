@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +14,10 @@ from flycontrol.vision.silhouette_fit import Agreement
 from flycontrol.vision.stance import Stance, coordinate_covariance, pose_of
 
 FloatArray = NDArray[np.float64]
-#: tracked: seen and believed; partial: seen, but a silhouette reaches the border of its image; bridged: not believed,
-#: expected from the frames before; lost: bridged for too long, no coordinates.
+#: tracked: seen and believed; partial: seen, but a silhouette reaches the border of its image, or another animal is in
+#: view; bridged: not believed, expected from the frames before; lost: bridged for too long, no coordinates.
 Status = Literal["tracked", "partial", "bridged", "lost"]
+STATUSES: tuple[Status, ...] = get_args(Status)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

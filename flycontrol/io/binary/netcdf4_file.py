@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +20,10 @@ _NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable.{:10d}"  # 
 
 
 @contextlib.contextmanager
-def netcdf4_file(path: Path, about: dict[str, str | float], name: str) -> Generator[Netcdf4Table]:
-    """Open a new file for rows of the trajectory's variables; it is on the disk, whole, when the block ends.
+def netcdf4_file(
+    path: Path, about: dict[str, str | float], name: str, variables: Sequence[Variable] = VARIABLES
+) -> Generator[Netcdf4Table]:
+    """Open a new file for rows of variables; it is on the disk, whole, when the block ends.
 
     Parameters
     ----------
@@ -31,6 +33,8 @@ def netcdf4_file(path: Path, about: dict[str, str | float], name: str) -> Genera
         Its attributes.
     name
         What a refusal calls it.
+    variables
+        What it holds, time among them; by default those of a trajectory.
 
     Raises
     ------
@@ -42,7 +46,7 @@ def netcdf4_file(path: Path, about: dict[str, str | float], name: str) -> Genera
     held = HeldFile(path, name)
     try:
         with h5py.File(held, "w", track_order=True) as file:
-            yield Netcdf4Table(file, held, about)
+            yield Netcdf4Table(file, held, about, variables)
         held.finish()
     finally:
         held.close()
@@ -51,11 +55,11 @@ def netcdf4_file(path: Path, about: dict[str, str | float], name: str) -> Genera
 class Netcdf4Table:
     """The variables over time."""
 
-    def __init__(self, file: Any, held: HeldFile, about: dict[str, str | float]) -> None:
+    def __init__(self, file: Any, held: HeldFile, about: dict[str, str | float], variables: Sequence[Variable]) -> None:
         self._held = held
         file.attrs.update(about)
-        self._datasets = {variable.name: _dataset(file, variable) for variable in VARIABLES}
-        _name_dimensions(file, self._datasets)
+        self._datasets = {variable.name: _dataset(file, variable) for variable in variables}
+        _name_dimensions(file, self._datasets, variables)
         held.require_room()
 
     def append(self, rows: dict[str, FloatArray]) -> None:
@@ -79,10 +83,10 @@ def _dataset(file: Any, variable: Variable) -> Any:
     return dataset
 
 
-def _name_dimensions(file: Any, datasets: dict[str, Any]) -> None:
+def _name_dimensions(file: Any, datasets: dict[str, Any], variables: Sequence[Variable]) -> None:
     """Make time the unlimited dimension, and name those of the components."""
     datasets["time"].make_scale("time")
-    for variable in VARIABLES:
+    for variable in variables:
         if variable.name != "time":
             datasets[variable.name].dims[0].attach_scale(datasets["time"])
         if variable.components:

@@ -1,0 +1,148 @@
+"""A tracked flight as the columns of a recording."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flycontrol.io.trajectory_columns import Variable
+from flycontrol.io.trajectory_files import TrajectoryFormat, table_file
+from flycontrol.model.morphology import pitch_rotation
+from flycontrol.model.pose import ANGLES, COORDINATES, POSITION, Pose
+from flycontrol.vision.tracked_flight import TrackedFlight
+from flycontrol.vision.tracked_frame import STATUSES
+
+FloatArray = NDArray[np.float64]
+
+_XYZ, _WXYZ, _ANGLES = ("x", "y", "z"), ("w", "x", "y", "z"), ("stroke", "deviation", "pitch")
+_CODES = ", ".join(f"{code} {status}" for code, status in enumerate(STATUSES))
+_MOTION = (
+    Variable("time", "s", "time since frame 0 of the film"),
+    Variable("yaw", "rad", "heading of the stroke plane's forward axis, positive to the right, no jumps"),
+    Variable("position_W", "m", "centre of the body's volume; world x and y level, z up", _XYZ),
+    Variable("q_WB", "1", "body to world, unit quaternion, scalar first; body x forward, y right, z down", _WXYZ),
+    Variable("velocity_S", "m/s", "of the body's centre, stroke-plane frame: forward, right, down", _XYZ),
+    Variable("angular_velocity_S", "rad/s", "roll, pitch, yaw rate about the stroke-plane axes", _XYZ),
+    Variable("left", "rad", "left wing: stroke forward, deviation dorsal, pitch 90 deg for a vertical chord", _ANGLES),
+    Variable("right", "rad", "right wing, likewise", _ANGLES),
+    Variable("left_rate", "rad/s", "rates of the left wing's angles", _ANGLES),
+    Variable("right_rate", "rad/s", "rates of the right wing's angles", _ANGLES),
+)
+_QUALITY = (
+    Variable("frame", "1", "number of the frame in the film, from 0"),
+    Variable("status", "1", _CODES),
+    Variable("smoothed", "m, rad", "the 18 coordinates, smoothed over time", COORDINATES),
+    Variable("smoothed_sd", "m, rad", "their standard deviations", COORDINATES),
+    Variable("smoothed_rate", "m/s, rad/s", "their rates", COORDINATES),
+    Variable("smoothed_rate_sd", "m/s, rad/s", "standard deviations of the rates", COORDINATES),
+    Variable("raw", "m, rad", "the 18 coordinates, frame by frame", COORDINATES),
+    Variable("raw_sd", "m, rad", "their standard deviations", COORDINATES),
+)
+_TRUE = Variable("true", "m, rad", "the 18 coordinates of the simulated fly", COORDINATES)
+
+
+def write_tracked_recording(path: Path, form: TrajectoryFormat, flight: TrackedFlight, name: str) -> None:
+    """Write the smoothed motion, and beside it what it was made of; lost frames are NaN.
+
+    Parameters
+    ----------
+    path
+        The file, which must not exist yet.
+    form
+        netcdf and hdf5 are the same bytes.
+    flight
+        What was tracked.
+    name
+        What a refusal calls the file.
+
+    Raises
+    ------
+    OutputError
+        If the disk takes no more.
+    """
+    rows = _motion(flight) | _quality(flight)
+    variables = [*_MOTION, *_QUALITY, *_views(len(flight.cameras))]
+    if flight.truth is not None:
+        variables.append(_TRUE)
+        rows["true"] = flight.truth.coordinates
+    about: dict[str, str | float] = {
+        "title": flight.name,
+        "cameras": ", ".join(camera.name for camera in flight.cameras),
+        "world": flight.world,
+    }
+    with table_file(path, form, variables, about=about, name=name) as table:
+        table.append(rows)
+
+
+def _views(cameras: int) -> tuple[Variable, ...]:
+    each = tuple(f"camera_{k}" for k in range(1, cameras + 1))
+    return (
+        Variable("overlap", "1", "intersection over union of fly and silhouette, for each camera", each),
+        Variable("precision", "1", "share of the fly's pixels that lie on the silhouette, for each camera", each),
+    )
+
+
+def _motion(flight: TrackedFlight) -> dict[str, FloatArray]:
+    pose, rate = flight.smoothed.pose, flight.smoothed.rate
+    to_stroke_plane = pitch_rotation(pose.stroke_plane_angle)
+    velocity_B = np.einsum("nji,nj->ni", _body_axes(pose), rate[:, POSITION])
+    return {
+        "time": flight.time,
+        "yaw": _heading(pose),
+        "position_W": pose.position_W,
+        "q_WB": _attitude(pose),
+        "velocity_S": velocity_B @ to_stroke_plane.T,
+        "angular_velocity_S": flight.smoothed.angular_velocity_B @ to_stroke_plane.T,
+        "left": pose.coordinates[:, ANGLES["left"]],
+        "right": pose.coordinates[:, ANGLES["right"]],
+        "left_rate": rate[:, ANGLES["left"]],
+        "right_rate": rate[:, ANGLES["right"]],
+    }
+
+
+def _quality(flight: TrackedFlight) -> dict[str, FloatArray]:
+    track, smoothed = flight.track, flight.smoothed
+    return {
+        "frame": flight.numbers.astype(np.float64),
+        "status": np.array([STATUSES.index(status) for status in track.status], dtype=np.float64),
+        "smoothed": smoothed.pose.coordinates,
+        "smoothed_sd": smoothed.uncertainty,
+        "smoothed_rate": smoothed.rate,
+        "smoothed_rate_sd": smoothed.rate_uncertainty,
+        "raw": track.pose.coordinates,
+        "raw_sd": track.uncertainty,
+        "overlap": track.overlap,
+        "precision": track.precision,
+    }
+
+
+def _known(pose: Pose) -> NDArray[np.bool_]:
+    return np.all(np.isfinite(pose.coordinates), axis=1)
+
+
+def _body_axes(pose: Pose) -> FloatArray:
+    """R_WB, NaN where nothing is known."""
+    axes = np.full((len(pose), 3, 3), np.nan)
+    known = _known(pose)
+    axes[known] = pose[known].body_axes_W
+    return axes
+
+
+def _heading(pose: Pose) -> FloatArray:
+    """(N,) of the stroke plane's forward axis, unwrapped over the frames that are known [rad]."""
+    ahead = _body_axes(pose) @ pitch_rotation(pose.stroke_plane_angle).T[:, 0]
+    yaw, known = np.full(len(pose), np.nan), _known(pose)
+    yaw[known] = np.unwrap(np.arctan2(-ahead[known, 1], ahead[known, 0]))
+    return yaw
+
+
+def _attitude(pose: Pose) -> FloatArray:
+    """(N, 4) scalar first, without jumps of sign; NaN where nothing is known."""
+    q, known = np.full((len(pose), 4), np.nan), _known(pose)
+    turned = pose[known].q_WB
+    flips = np.cumprod(np.where(np.sum(turned[1:] * turned[:-1], axis=1) < 0, -1.0, 1.0))
+    turned[1:] *= flips[:, None]
+    q[known] = turned
+    return q

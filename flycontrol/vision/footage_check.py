@@ -1,0 +1,132 @@
+"""Whether films, cameras and fly belong together, from a few frames, before hours of work on many."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flycontrol.errors import InvalidInputError
+from flycontrol.model.camera import Camera
+from flycontrol.model.camera_forms import nearest_point
+from flycontrol.units import mm
+from flycontrol.vision.calibration_check import CalibrationCheck, check_calibration
+from flycontrol.vision.footage import FilmedFrame, Footage
+from flycontrol.vision.sighting import Sighting, sighting_of
+from flycontrol.vision.views import BoolArray, require_fitting
+
+FloatArray = NDArray[np.float64]
+
+_SPREAD = 24  #: frames
+#: Epipolar residual over the silhouettes' size from which cameras do not fit, and from which it is told (C). Three
+#: cameras of a laboratory: 0.01 to 0.02 with legs and folds; images upside down or exchanged: 0.15 and more.
+_UNFIT, _DOUBTFUL = 0.1, 0.03
+_SMALLEST, _LARGEST = 0.4, 8.0  #: largest extent of silhouettes, in wing lengths, that a fly can have (C)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FootageCheck:
+    """What a few frames say."""
+
+    calibration: CalibrationCheck
+    scale: float  #: mean of the cameras at the animal [px/m]
+    doubt: str  #: a sentence, or empty
+
+
+def spread_frames(count: int, wanted: int = _SPREAD) -> list[int]:
+    """Numbers of up to `wanted` frames spread evenly over a film, the first and the last included."""
+    return np.unique(np.round(np.linspace(0, count - 1, min(count, wanted))).astype(np.int64)).tolist()
+
+
+def checked_footage(footage: Footage, cameras: Sequence[Camera], wing_length: float) -> FootageCheck:
+    """Refuse films whose cameras, silhouettes or sizes cannot be meant; frames spread over the film are looked at.
+
+    Parameters
+    ----------
+    footage : films and how silhouettes are made
+    cameras : C cameras
+    wing_length : of the fly that is expected [m]
+
+    Raises
+    ------
+    InvalidInputError
+        If cameras and films differ in number or size, no frame shows an animal in every view, silhouettes fill the
+        images, the animal has no fly's size, or rays of the same animal miss each other.
+    """
+    frames = [footage.frame(k) for k in spread_frames(len(footage))]
+    for frame in frames:
+        if not frame.fault:
+            require_fitting([silhouette.mask for silhouette in frame.silhouettes], cameras)
+    sightings = [sighting_of(frame, cameras) for frame in frames]
+    whole = [sighting for sighting in sightings if not sighting.fault and all(mask.any() for mask in sighting.masks)]
+    if not whole:
+        raise InvalidInputError(_why_nothing(frames, sightings, footage))
+    alone = [sighting for sighting in whole if sighting.clear] or whole
+    extent = float(np.median([_extent(mask) for sighting in alone for mask in sighting.masks]))
+    scale = _scale(alone, cameras)
+    _refuse_other_size(alone, scale, wing_length)
+    calibration = check_calibration([sighting.masks for sighting in alone], cameras)
+    return FootageCheck(calibration=calibration, scale=scale, doubt=_judged(calibration, extent))
+
+
+def _why_nothing(frames: Sequence[FilmedFrame], sightings: Sequence[Sighting], footage: Footage) -> str:
+    faults = [sighting.fault for sighting in sightings if sighting.fault]
+    looked = f"{len(frames)} frames spread over the film"
+    if len(faults) == len(sightings):
+        return f"None of {looked} can be used: {faults[0]}; check the films, the background and the threshold."
+    seen = [frame for frame in frames if not frame.fault]
+    empty = [
+        film.name for k, film in enumerate(footage.films) if not any(frame.silhouettes[k].mask.any() for frame in seen)
+    ]
+    views = f"{', '.join(empty)} shows none in any of them" if empty else "it leaves one view before it is in another"
+    return (
+        f"None of {looked} shows an animal in every view: {views}; check the threshold, the background, and whether "
+        "the animal is darker or brighter than its ground."
+    )
+
+
+def _extent(mask: BoolArray) -> float:
+    """Diagonal of a silhouette [px]."""
+    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+    return float(np.hypot(rows[-1] - rows[0] + 1, columns[-1] - columns[0] + 1))
+
+
+def _scale(sightings: Sequence[Sighting], cameras: Sequence[Camera]) -> float:
+    """Pixels a metre where the middles of the silhouettes are seen, mean of the cameras and median of the frames."""
+    scales: list[float] = []
+    for sighting in sightings:
+        rays = [
+            camera.rays(np.argwhere(mask)[:, ::-1].mean(axis=0, keepdims=True))
+            for mask, camera in zip(sighting.masks, cameras, strict=True)
+        ]
+        point = nearest_point(np.vstack([ray.origin for ray in rays]), np.vstack([ray.direction for ray in rays]))
+        if point is not None:
+            scales.append(float(np.mean([camera.pixels_per_metre(point[None])[0] for camera in cameras])))
+    if not scales:
+        raise InvalidInputError("All cameras look along one line, so that depth is not seen; check the calibration.")
+    return float(np.median(scales))
+
+
+def _refuse_other_size(sightings: Sequence[Sighting], scale: float, wing_length: float) -> None:
+    largest = float(np.median([max(_extent(mask) for mask in sighting.masks) for sighting in sightings])) / scale
+    if not _SMALLEST * wing_length < largest < _LARGEST * wing_length:
+        raise InvalidInputError(
+            f"With these cameras the animal would be {largest / mm:.3g} mm across, where a fly with wings of "
+            f"{wing_length / mm:.3g} mm is expected; check the unit of the calibration's lengths, and which fly it is."
+        )
+
+
+def _judged(calibration: CalibrationCheck, extent: float) -> str:
+    worst = max(calibration.pairs, key=lambda pair: pair.median)
+    told = (
+        f"silhouettes of {' and '.join(worst.cameras)} miss each other by {worst.median:.3g} px (median of frames), "
+        f"{100 * worst.median / extent:.0f} % of their size"
+    )
+    if worst.median > _UNFIT * extent:
+        raise InvalidInputError(
+            f"The cameras do not fit the images: {told}; check the order of the cameras, how their file counts pixels "
+            "(rows from above or below), and whether the images were turned or cropped."
+        )
+    return f"the calibration is doubtful: {told}" if worst.median > _DOUBTFUL * extent else ""

@@ -1,0 +1,90 @@
+"""What a tracker takes of a filmed instant: silhouettes of the one animal that it follows, or why there are none."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import label
+
+from flycontrol.model.camera import Camera
+from flycontrol.vision.fit_shape import FitShape
+from flycontrol.vision.footage import FilmedFrame
+from flycontrol.vision.stance import Stance
+from flycontrol.vision.views import BoolArray
+
+FloatArray = NDArray[np.float64]
+
+_FULL = 0.5  #: of an image: no animal that is followed fills more of it (C)
+_REACH = 0.3  #: wing lengths around the expected fly in which its own parts lie (C)
+_TOUCHING = np.ones((3, 3), dtype=np.bool_)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Sighting:
+    """One instant seen by C cameras, ready to be followed."""
+
+    masks: tuple[BoolArray, ...]  #: without dust; empty where the frame is unusable
+    fault: str = ""  #: why it is unusable, or empty
+    crowded: tuple[str, ...] = ()  #: names of cameras that see more than one animal
+
+    @property
+    def clear(self) -> bool:
+        """Whether every camera sees one animal and no more."""
+        return not self.fault and not self.crowded and all(mask.any() for mask in self.masks)
+
+
+def sighting_of(frame: FilmedFrame | Sequence[BoolArray], cameras: Sequence[Camera]) -> Sighting:
+    """What a filmed frame, or its bare masks, show."""
+    if not isinstance(frame, FilmedFrame):
+        return Sighting(masks=tuple(frame), fault=_overfull(frame, cameras))
+    if frame.fault:
+        return Sighting(masks=(), fault=frame.fault)
+    masks = tuple(silhouette.mask for silhouette in frame.silhouettes)
+    pairs = zip(frame.silhouettes, cameras, strict=False)
+    crowded = tuple(camera.name for silhouette, camera in pairs if silhouette.animals > 1)
+    return Sighting(masks=masks, fault=_overfull(masks, cameras), crowded=crowded)
+
+
+def _overfull(masks: Sequence[BoolArray], cameras: Sequence[Camera]) -> str:
+    for mask, camera in zip(masks, cameras, strict=False):
+        share = float(np.mean(mask))
+        if share > _FULL:
+            return f"{camera.name}: the silhouette fills {100 * share:.0f} % of the image, as no animal does"
+    return ""
+
+
+def of_the_expected(
+    masks: Sequence[BoolArray], cameras: Sequence[Camera], shape: FitShape, expected: Stance
+) -> tuple[BoolArray, ...]:
+    """Silhouettes without those parts that lie farther from an expected fly than its own parts can.
+
+    Where nothing would be left, the silhouette stays as it is.
+    """
+    return tuple(_near(mask, camera, shape, expected) for mask, camera in zip(masks, cameras, strict=True))
+
+
+def _near(mask: BoolArray, camera: Camera, shape: FitShape, expected: Stance) -> BoolArray:
+    parts, count = cast(tuple[NDArray[np.int32], int], label(mask, structure=_TOUCHING))
+    if count < 2:
+        return mask
+    points, radii = _outline(shape, expected)
+    pixels, scale = camera.project(points), camera.pixels_per_metre(points)
+    limit = _REACH * shape.wing_length * float(np.mean(scale))
+    kept = np.zeros(count + 1, dtype=np.bool_)
+    for number in range(1, count + 1):
+        v, u = np.nonzero(parts == number)
+        away = np.hypot(u[:, None] - pixels[None, :, 0], v[:, None] - pixels[None, :, 1]) - radii * scale
+        kept[number] = np.nanmin(away) < limit
+    return kept[parts] if kept.any() else mask
+
+
+def _outline(shape: FitShape, stance: Stance) -> tuple[FloatArray, FloatArray]:
+    """Points (M, 3) of body and wings in the world, and how far around them the fly reaches (M,) [m]."""
+    body = stance.position_W + shape.spheres[:, :3] @ stance.body_axes_W.T
+    wings = [stance.base_W(side) + shape.outline @ stance.wing_axes_W(side)[:, :2].T for side in (0, 1)]
+    flat = np.zeros(2 * len(shape.outline))
+    return np.vstack([body, *wings]), np.concatenate([shape.spheres[:, 3], flat])
