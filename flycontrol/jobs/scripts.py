@@ -93,7 +93,8 @@ def run_scripts(
     """Run scripts, `at_once` processes at a time, in their order; each on one thread.
 
     A script writes into a folder that is thrown away if it fails or is interrupted; what a finished one wrote appears
-    in its own folder at once. A script that fails hinders no other. After an interruption the finished ones are kept.
+    in its own folder at once. A script that fails hinders no other. After an interruption the finished ones are kept; where this process is killed,
+    the scripts end with it.
 
     Parameters
     ----------
@@ -155,6 +156,11 @@ class _Run:
     said: Path  #: its standard error
     started: float = field(default_factory=time.perf_counter)
 
+    def hang_up(self) -> None:
+        """Close the pipe by which the script would see this process end."""
+        if self.process.stdin is not None:
+            self.process.stdin.close()
+
     def failure(self) -> str:
         """Last line of its standard error, or how else it ended; empty if it finished with results."""
         status = self.process.returncode
@@ -181,8 +187,9 @@ class _Crew:
         folder.mkdir()
         with said.open("wb") as errors:
             process = subprocess.Popen(
-                [sys.executable, str(script.path), str(folder)], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-                stderr=errors, env={**_surroundings(), **self.environment}, start_new_session=True,
+                [sys.executable, "-m", "flycontrol.jobs.script_process", str(script.path), str(folder)],
+                stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=errors,
+                env={**_surroundings(), **self.environment}, start_new_session=True,
             )  # fmt: skip
         self.running.append(_Run(script, process, folder, said))
 
@@ -202,6 +209,7 @@ class _Crew:
             write_files_atomically(run.script.folder, results)
             self.shelf.keep(run.script, results, seconds)
         self.running.remove(run)
+        run.hang_up()
         shutil.rmtree(run.folder.parent, ignore_errors=True)
         return ScriptEnd(run.script.name, failure, seconds)
 
@@ -214,6 +222,7 @@ class _Crew:
                 else:
                     run.process.kill()
             run.process.wait()
+            run.hang_up()
             shutil.rmtree(run.folder.parent, ignore_errors=True)
 
 

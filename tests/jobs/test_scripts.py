@@ -8,6 +8,7 @@ import time
 from pathlib import Path
 
 import pytest
+from test_killed import is_alive, wait_until
 
 from flycontrol.errors import InvalidParameterError, OutputError
 from flycontrol.jobs.digest import digest_of, files_below
@@ -133,3 +134,31 @@ def test_one_hash_of_many_files_sees_names_and_bytes_and_no_caches(tmp_path):
     assert digest_of({"a.py": files["a.py"], "b/d.py": files["b/c.py"]}) != same
     (tmp_path / "a.py").write_text("changed")
     assert digest_of(files) != same
+
+
+KILLED = """
+import sys
+from pathlib import Path
+from flycontrol.jobs.scripts import Script, run_scripts
+folder = Path(sys.argv[1])
+run_scripts([Script(folder / "long.py", folder / "reports", "1")], folder / "kept")
+"""
+LONG = """
+import os, subprocess, sys, time
+own = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"])
+with open({pids!r} + ".part", "w") as file: file.write(f"{{os.getpid()}} {{own.pid}}")
+os.rename({pids!r} + ".part", {pids!r})
+time.sleep(60)
+"""
+
+
+@pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGTERM])
+def test_no_script_goes_on_for_nobody(tmp_path, end):
+    pids = tmp_path / "pids"
+    (tmp_path / "long.py").write_text(LONG.format(pids=str(pids)))
+    paths = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
+    asking = subprocess.Popen([sys.executable, "-c", KILLED, tmp_path], env={**os.environ, "PYTHONPATH": paths})
+    wait_until(pids.exists)
+    asking.send_signal(end)
+    assert asking.wait(30) == -end
+    wait_until(lambda: not any(is_alive(int(pid)) for pid in pids.read_text().split()))
