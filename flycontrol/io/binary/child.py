@@ -16,7 +16,7 @@ from pathlib import Path
 
 from flycontrol.errors import InvalidInputError
 from flycontrol.io.binary.request import Found, Reply, Request, Wanted, parse_request, refused, write_reply
-from flycontrol.io.binary.source import Source, numbers, series, shape_text, text, texts
+from flycontrol.io.binary.source import AbsentError, Source, numbers, series, shape_text, text, texts
 
 
 def main(seconds: float, memory: int) -> None:
@@ -107,6 +107,8 @@ def _found(source: Source, request: Request, group: str, wanted: Wanted) -> Foun
     try:
         if wanted.what == "attribute":
             return _attribute(source.attribute(group, wanted.path))
+        if wanted.what == "array":
+            return _array(source, path)
         value = source.value(path)
         if wanted.what == "texts":
             single = isinstance(value, str) or value.size == 1
@@ -114,6 +116,14 @@ def _found(source: Source, request: Request, group: str, wanted: Wanted) -> Foun
         return Found(series(numbers(value), wanted.row, wanted.column), unit=source.unit(path)[:40])
     except InvalidInputError as error:
         raise InvalidInputError(refused(request, wanted, error)) from error
+
+
+def _array(source: Source, path: str) -> Found:
+    try:
+        array = numbers(source.value(path))
+    except AbsentError:
+        return Found()
+    return Found(array.reshape(-1), shape=array.shape)
 
 
 def _attribute(value: object) -> Found:

@@ -122,8 +122,8 @@ def _plain(value: Any) -> NDArray | str:
     kind = _matlab_class(value)
     if kind in ("cell", "function_handle") or kind.startswith(("table", "datetime", "string", "categorical")):
         raise InvalidInputError(f"is a {kind or 'cell'}; choose an element, as in c{{1}}, or save plain arrays")
-    if "MATLAB_empty" in value.attrs:
-        raise InvalidInputError("is empty")
+    if "MATLAB_empty" in value.attrs:  # what is stored is the shape
+        return _empty(value)
     array = read_dataset(value)
     if isinstance(array, str):
         return array
@@ -132,6 +132,13 @@ def _plain(value: Any) -> NDArray | str:
     if kind == "char":
         return _characters(array)
     return array.T
+
+
+def _empty(value: Any) -> NDArray:
+    shape = [int(n) for n in np.asarray(read_dataset(value)).reshape(-1)[:32]]
+    if not shape or min(shape) != 0:
+        raise InvalidInputError("is empty")
+    return np.empty(shape)
 
 
 def _from_group(group: Any) -> NDArray:

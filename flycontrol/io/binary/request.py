@@ -24,7 +24,7 @@ class Wanted:
     path: str  #: within the group of the trial; from the file's root if it begins with /
     row: int | None = None
     column: int | None = None
-    what: Literal["numbers", "texts", "attribute"] = "numbers"
+    what: Literal["numbers", "texts", "attribute", "array"] = "numbers"  #: an array may be empty, and of any shape
     key: str = ""  #: its name in the mapping, "left.stroke"
     where: str = ""  #: file and line of the mapping
 
@@ -49,6 +49,11 @@ class Found:
     numbers: FloatArray | None = None
     texts: list[str] = field(default_factory=list[str])
     unit: str = ""  #: as the file states it
+    shape: tuple[int, ...] | None = None  #: of an array that was asked for; None: it is not there
+
+    def array(self) -> FloatArray | None:
+        """Return the numbers in the shape that they have in the file; None if they are not there."""
+        return None if self.numbers is None or self.shape is None else self.numbers.reshape(self.shape)
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,14 +108,15 @@ def refused(request: Request, wanted: Wanted, error: InvalidInputError | str) ->
 
 def _head(found: Found) -> dict[str, Any]:
     count = None if found.numbers is None else int(found.numbers.size)
-    return {"count": count, "texts": found.texts, "unit": found.unit}
+    return {"count": count, "texts": found.texts, "unit": found.unit, "shape": found.shape}
 
 
 def _found(head: dict[str, Any], stream: BinaryIO) -> Found:
+    shape = None if head["shape"] is None else tuple(int(n) for n in head["shape"])
     if head["count"] is None:
         return Found(None, head["texts"], head["unit"])
     numbers = np.frombuffer(_exactly(stream, 8 * head["count"]), dtype=np.float64)
-    return Found(numbers, head["texts"], head["unit"])
+    return Found(numbers, head["texts"], head["unit"], shape)
 
 
 def _exactly(stream: BinaryIO, count: int) -> bytes:

@@ -21,6 +21,10 @@ DEEPEST = 20  #: groups within groups
 _SEPARATOR = re.compile(r"[./]")
 
 
+class AbsentError(InvalidInputError):
+    """Nothing lies at a path."""
+
+
 class Source(Protocol):
     """A file that is open for reading; its refusals name neither the file nor the mapping: the caller does."""
 
@@ -112,7 +116,7 @@ def refuse_unknown(path: str, names: list[str]) -> NoReturn:
     """Refuse a path that is not there and name the nearest one."""
     near = get_close_matches(path, names, n=1) or [name for name in names if parts(name)[-1:] == parts(path)[-1:]]
     known = f"the nearest is {near[0]!r}" if near else f"there are {', '.join(names[:12]) or 'none'}"
-    raise InvalidInputError(f"is not there; {known}")
+    raise AbsentError(f"is not there; {known}")
 
 
 def parts(path: str) -> list[str]:

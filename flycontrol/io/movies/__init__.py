@@ -1,0 +1,1 @@
+"""Films of an animal as laboratories keep them: stills, stacks, arrays, sparse MATLAB movies, video."""
