@@ -93,8 +93,8 @@ def run_scripts(
     """Run scripts, `at_once` processes at a time, in their order; each on one thread.
 
     A script writes into a folder that is thrown away if it fails or is interrupted; what a finished one wrote appears
-    in its own folder at once. A script that fails hinders no other. After an interruption the finished ones are kept; where this process is killed,
-    the scripts end with it.
+    in its own folder at once. A script that fails hinders no other. After an interruption the finished ones are kept;
+    where this process is killed, the scripts end with it.
 
     Parameters
     ----------
