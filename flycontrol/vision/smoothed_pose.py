@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,3 +24,5 @@ class SmoothedPose:
     acceleration_uncertainty: FloatArray  #: (N, 18)
     angular_velocity_B: FloatArray  #: (N, 3) about forward, right, down of the body [rad/s]
     angular_velocity_uncertainty: FloatArray  #: (N, 3)
+    #: (N, 18) seen and believed by the tracker, but set aside: too far from what the other frames tell
+    set_aside: NDArray[np.bool_] = field(default_factory=lambda: np.zeros((0, 18), dtype=np.bool_))

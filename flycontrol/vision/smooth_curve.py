@@ -1,0 +1,142 @@
+"""One coordinate of a track as a smooth function of time, wrong frames set aside."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from flycontrol.vision.noisy_spline import ORDER, NoisySpline, Posterior, Roughness
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+_KAPPA = 2800.0  #: of lasting errors [1/s], as simulated flights at 8,000 frames a second show them (C)
+_DRIFT = 50.0  #: of what neighbouring frames share [1/s]: it changes within a few wingbeats (C)
+_FAR = 5.0  #: standard deviations from where the other frames expect a frame (C)
+_ROUNDS = 4  #: at most, of setting frames aside
+_WRONG = 0.2  #: share of frames above which the stated spread is wrong, not the frames (C)
+_PIECE, _PIECES = 400, 4  #: frames of a piece, and pieces, from which the likelihood is taken
+_LOWEST, _HIGHEST = np.array([-30.0, -6.0]), np.array([8.0, 2.0])  #: of (ln q, ln s)
+_SIMPLEX = np.array([[-6.0, -1.5], [-2.0, -1.5], [-6.0, -2.5]])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SmoothCurve:
+    """N frames of one coordinate in a unit u; NaN outside the runs."""
+
+    value: FloatArray  #: (N, 3) f, f', f'' [u, u/s, u/s^2]
+    covariance: FloatArray  #: (N, 3, 3) of the three
+    set_aside: BoolArray  #: (N,) seen, but too far from where the other frames expect it
+
+    def with_common(self, variance: FloatArray) -> SmoothCurve:
+        """The same curve, known less well by errors of a variance (N,) [u^2] that neighbouring frames share."""
+        covariance = self.covariance.copy()
+        for order in range(ORDER):
+            covariance[:, order, order] += variance * _DRIFT ** (2 * order)
+        return replace(self, covariance=covariance)
+
+
+def smooth_curve(
+    values: FloatArray, spread: FloatArray, runs: Sequence[slice], frame_rate: float, *, stated: bool
+) -> SmoothCurve:
+    """The curve behind noisy values: the posterior of `NoisySpline`, its roughness by restricted maximum likelihood.
+
+    The error of a tracker lasts: what its model of the fly lacks is the same for many frames and averages out slowly.
+    Frames further from the others' expectation than that and their own spread allow are set aside.
+
+    Parameters
+    ----------
+    values : (N,) [u], NaN where not seen
+    spread : (N,) [u], finite and > 0 where seen
+    runs : frames that belong together
+    frame_rate : [1/s]
+    stated : the lasting error is as large as the spread states (a = 1); otherwise it is as large as the white one
+        that the likelihood finds (a = s), and the spread tells only its course
+    """
+    unit, middle = float(np.nanmedian(spread)), float(np.nanmedian(values))
+    y, sigma = (values - middle) / unit, np.where(np.isfinite(values), spread / unit, 1.0)
+    aside = np.zeros(len(y), dtype=np.bool_)
+    found, far = _fitted(y, sigma, runs, _KAPPA / frame_rate, stated=stated)
+    for _ in range(_ROUNDS):
+        if not far.any() or np.sum(aside | far) > _WRONG * np.sum(np.isfinite(y)):
+            break
+        aside |= far
+        found, far = _fitted(np.where(aside, np.nan, y), sigma, runs, _KAPPA / frame_rate, stated=stated)
+    scale = unit * frame_rate ** np.arange(ORDER)
+    value = found.state[:, :ORDER] * scale + middle * (np.arange(ORDER) == 0)
+    covariance = found.covariance[:, :ORDER, :ORDER] * scale[:, None] * scale
+    return SmoothCurve(value=value, covariance=covariance, set_aside=aside)
+
+
+def followed_curve(values: FloatArray, runs: Sequence[slice], frame_rate: float, corner: float) -> FloatArray:
+    """(N, 3) f, f', f'' of the spline that follows what is slower than `corner` [rad/s]; (N,) values, NaN not seen."""
+    # a smoothing spline of this order passes 1 / (1 + w^6 / q)
+    roughness = Roughness(wander=(corner / frame_rate) ** 6, white=1.0, lasting=0.0)
+    found = np.full((len(values), ORDER), np.nan)
+    for run in runs:
+        spline = NoisySpline(y=values[run], sigma=np.ones(run.stop - run.start), kappa=1.0)
+        found[run] = spline.posterior(roughness).state[:, :ORDER]
+    return np.asarray(found * frame_rate ** np.arange(ORDER), dtype=np.float64)
+
+
+def _fitted(
+    y: FloatArray, sigma: FloatArray, runs: Sequence[slice], kappa: float, *, stated: bool
+) -> tuple[Posterior, BoolArray]:
+    """The posterior of all frames, and (N,) those that are far from it."""
+    splines = [NoisySpline(y=y[run], sigma=sigma[run], kappa=kappa) for run in runs]
+    roughness = _likeliest(splines, stated=stated)
+    all_of_it = Posterior.unknown(len(y))
+    far = np.zeros(len(y), dtype=np.bool_)
+    for run, spline in zip(runs, splines, strict=True):
+        found = spline.posterior(roughness)
+        all_of_it.state[run], all_of_it.covariance[run] = found.state, found.covariance
+        far[run] = _far(spline, found, roughness)
+    return all_of_it, far
+
+
+def _likeliest(splines: Sequence[NoisySpline], *, stated: bool) -> Roughness:
+    some = _some_pieces(splines)
+
+    def unlikelihood(x: FloatArray) -> float:
+        inside = np.clip(x, _LOWEST, _HIGHEST)
+        outside = float(np.sum((x - inside) ** 2))
+        return outside - sum(spline.log_likelihood(_roughness(inside, stated=stated)) for spline in some)
+
+    options = {"initial_simplex": _SIMPLEX, "xatol": 0.1, "fatol": 0.1, "maxfev": 80}
+    found = minimize(unlikelihood, _SIMPLEX[0], method="Nelder-Mead", options=options)
+    return _roughness(np.clip(found.x, _LOWEST, _HIGHEST), stated=stated)
+
+
+def _roughness(x: FloatArray, *, stated: bool) -> Roughness:
+    white = float(np.exp(x[1]))
+    return Roughness(wander=float(np.exp(x[0])), white=white, lasting=1.0 if stated else white)
+
+
+def _some_pieces(splines: Sequence[NoisySpline]) -> list[NoisySpline]:
+    """Pieces of at most `_PIECE` frames, well seen, spread over the flight."""
+    cut = [(spline, slice(k, k + _PIECE)) for spline in splines for k in range(0, len(spline.y), _PIECE)]
+    seen = np.array([np.isfinite(spline.y[part]).sum() for spline, part in cut])
+    rich = np.flatnonzero(seen >= 0.5 * seen.max())
+    chosen = np.unique(np.linspace(0, len(rich) - 1, _PIECES).round().astype(int))
+    return [_part(*cut[rich[k]]) for k in chosen]
+
+
+def _part(spline: NoisySpline, frames: slice) -> NoisySpline:
+    if frames.start == 0 and frames.stop >= len(spline.y):
+        return spline
+    return NoisySpline(y=spline.y[frames], sigma=spline.sigma[frames], kappa=spline.kappa)
+
+
+def _far(spline: NoisySpline, found: Posterior, roughness: Roughness) -> BoolArray:
+    """Where |y - E[y | other frames]| > `_FAR` times its spread; h is the weight of a frame in its own posterior."""
+    load = np.stack([np.ones_like(spline.sigma), roughness.lasting * spline.sigma], axis=1)
+    at = [0, ORDER]
+    own = (roughness.white * spline.sigma) ** 2
+    h = np.einsum("ni,nij,nj->n", load, found.covariance[:, at][:, :, at], load) / own
+    h = np.minimum(h, 1 - 1e-6)
+    away = (spline.y - np.sum(load * found.state[:, at], axis=1)) / (1 - h)
+    return np.abs(away) > _FAR * np.sqrt(own / (1 - h) + spline.sigma**2)

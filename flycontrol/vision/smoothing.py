@@ -1,0 +1,185 @@
+"""A track smoothed over time, with its derivatives, and the standard deviations of all."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flycontrol.errors import InvalidParameterError
+from flycontrol.model.pose import ANGLES, ATTITUDE, BASE, COORDINATES, POSITION, Pose
+from flycontrol.model.stroke import Side
+from flycontrol.vision.attitude_motion import attitude_motion
+from flycontrol.vision.smooth_curve import SmoothCurve, smooth_curve
+from flycontrol.vision.smooth_turn import SmoothTurn, smooth_turn, turn_spread
+from flycontrol.vision.smoothed_pose import SmoothedPose
+from flycontrol.vision.tracked_frame import Track
+from flycontrol.vision.wing_in_body import by_body_turns, variance_from_body, wing_in_body
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+_FEWEST = 8  #: frames seen in a run; fewer do not tell noise from motion
+_COMMON = 0.5  #: share of the body's variance that is the same in every frame, such as legs make it (C)
+_SIDES: tuple[Side, Side] = ("left", "right")
+
+
+def smoothed(track: Track, frame_rate: float, *, longest_gap: int = 40) -> SmoothedPose:
+    """The 18 coordinates as quintic smoothing splines; see `noisy_spline` for the model and `smooth_curve` for its fit.
+
+    The body comes first: its position along the world's axes, its attitude as rotations. The wings are then read in
+    the smoothed body, from where the track puts them in the world: silhouettes show a wing well in the world, and what
+    the track misses of the body's roll it adds to the strokes and takes from them in turn. Their uncertainties
+    are those of the wings in the body with those of the body.
+
+    Only frames where the fly was seen count; what a tracker expects of the others is no observation. Frames
+    between two of them are bridged with bands that grow; a gap that is too long stays NaN, and so do the ends before
+    the first and after the last frame seen. Yaw is continuous and may leave +-180 deg.
+
+    Parameters
+    ----------
+    track : N frames, uncertainties finite and > 0 where the fly was seen
+    frame_rate : [1/s]
+    longest_gap : frames [1]
+
+    Raises
+    ------
+    InvalidParameterError
+        If the frame rate is not positive or the longest gap is negative.
+    """
+    if not (np.isfinite(frame_rate) and frame_rate > 0):
+        raise InvalidParameterError(f"The frame rate must be > 0 1/s, got {frame_rate!r}.")
+    if longest_gap < 0:
+        raise InvalidParameterError(f"The longest gap to bridge must be >= 0 frames, got {longest_gap!r}.")
+    seen = track.believed & np.isfinite(track.pose.coordinates).all(axis=1) & np.isfinite(track.uncertainty).all(axis=1)
+    runs = _runs(seen, longest_gap)
+    if not runs:
+        return _placed(_Columns.of(0), np.zeros(0, dtype=np.int_), track.pose)
+    kept = np.concatenate([np.arange(run.start, run.stop) for run in runs])
+    ends = np.cumsum([run.stop - run.start for run in runs]).tolist()
+    sight = _Sight(
+        pose=track.pose[kept][seen[kept]],
+        spread=track.uncertainty[kept][seen[kept]],
+        seen=seen[kept],
+        runs=[slice(end - (run.stop - run.start), end) for run, end in zip(runs, ends, strict=True)],
+        frame_rate=frame_rate,
+    )
+    columns = _Columns.of(len(kept))
+    turn = _fill_body(columns, sight)
+    for side in _SIDES:
+        _fill_wing(columns, sight, turn, side)
+    return _placed(columns, kept, track.pose)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Sight:
+    """N frames that belong to runs, one run after the other; M of them were seen."""
+
+    pose: Pose  #: M
+    spread: FloatArray  #: (M, 18)
+    seen: BoolArray  #: (N,)
+    runs: Sequence[slice]
+    frame_rate: float
+
+    def among_all(self, rows: FloatArray) -> FloatArray:
+        """(N, ...) of (M, ...); NaN where not seen."""
+        out = np.full((len(self.seen), *rows.shape[1:]), np.nan)
+        out[self.seen] = rows
+        return out
+
+    def curve(self, values: FloatArray, spread: FloatArray, *, stated: bool) -> SmoothCurve:
+        """Of one coordinate (M,)."""
+        y, sigma = self.among_all(values), self.among_all(spread)
+        return smooth_curve(y, sigma, self.runs, self.frame_rate, stated=stated)
+
+    def common(self, spread: FloatArray) -> FloatArray:
+        """(N,) variance that no smoothing takes away, of standard deviations (M,)."""
+        frames = np.arange(len(self.seen))
+        return _COMMON * np.interp(frames, frames[self.seen], spread) ** 2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Columns:
+    """N frames; the last index is the derivative."""
+
+    value: FloatArray  #: (N, 18, 3)
+    variance: FloatArray  #: (N, 18, 3)
+    omega: FloatArray  #: (N, 3) angular velocity
+    omega_spread: FloatArray  #: (N, 3)
+    set_aside: BoolArray  #: (N, 18)
+
+    @classmethod
+    def of(cls, frames: int) -> _Columns:
+        """Nothing known."""
+        value, variance = np.full((2, frames, len(COORDINATES), 3), np.nan)
+        omega, omega_spread = np.full((2, frames, 3), np.nan)
+        set_aside = np.zeros((frames, len(COORDINATES)), dtype=np.bool_)
+        return cls(value=value, variance=variance, omega=omega, omega_spread=omega_spread, set_aside=set_aside)
+
+    def put(self, column: int, curve: SmoothCurve) -> None:
+        """One smooth coordinate."""
+        self.value[:, column] = curve.value
+        self.variance[:, column] = np.diagonal(curve.covariance, axis1=1, axis2=2)
+        self.set_aside[:, column] = curve.set_aside
+
+
+def _runs(seen: BoolArray, longest_gap: int) -> list[slice]:
+    """Frames from one that was seen to another, without too long a gap between, and enough of them."""
+    frames = np.flatnonzero(seen)
+    cuts = np.flatnonzero(np.diff(frames) > longest_gap + 1) + 1
+    parts = [part for part in np.split(frames, cuts) if len(part) >= _FEWEST]
+    return [slice(int(part[0]), int(part[-1]) + 1) for part in parts]
+
+
+def _fill_body(columns: _Columns, sight: _Sight) -> SmoothTurn:
+    for k in range(POSITION.start, POSITION.stop):
+        curve = sight.curve(sight.pose.coordinates[:, k], sight.spread[:, k], stated=True)
+        columns.put(k, curve.with_common(sight.common(sight.spread[:, k])))
+    spread_B = turn_spread(sight.pose.coordinates[:, ATTITUDE], sight.spread[:, ATTITUDE])
+    R = sight.among_all(sight.pose.body_axes_W)
+    turn = smooth_turn(R, sight.among_all(spread_B), sight.runs, sight.frame_rate)
+    turn = turn.with_common(np.stack([sight.common(column) for column in spread_B.T], axis=1))
+    motion = attitude_motion(turn, sight.frame_rate)
+    columns.value[:, ATTITUDE], columns.variance[:, ATTITUDE] = motion.angles, motion.spread**2
+    columns.omega[:], columns.omega_spread[:] = motion.angular_velocity_B, motion.angular_velocity_spread
+    columns.set_aside[:, ATTITUDE] = turn.set_aside[:, None]
+    return turn
+
+
+def _fill_wing(columns: _Columns, sight: _Sight, turn: SmoothTurn, side: Side) -> None:
+    position_W, R = columns.value[:, POSITION, 0], turn.body_axes_W
+    wing = wing_in_body(sight.pose, side, position_W[sight.seen], R[sight.seen])
+    wing[:, :3] = np.unwrap(wing[:, :3], axis=0)
+    places = np.r_[ANGLES[side], BASE[side]]
+    for k, values in zip(places, wing.T, strict=True):
+        columns.put(k, sight.curve(values, sight.spread[:, k], stated=False))
+    now = Pose(coordinates=columns.value[:, :, 0], stroke_plane_angle=sight.pose.stroke_plane_angle)
+    by_turns = by_body_turns(now, side)
+    for run in sight.runs:
+        from_body = variance_from_body(by_turns[run], turn.covariance[run], sight.frame_rate)
+        columns.variance[run.start : run.stop, places] += from_body
+    columns.variance[:, BASE[side]] += np.einsum("nij,nik->njk", R**2, columns.variance[:, POSITION])
+    least = np.stack([sight.common(sight.spread[:, k]) for k in places], axis=1)
+    columns.variance[:, places, 0] = np.maximum(columns.variance[:, places, 0], least)
+
+
+def _placed(columns: _Columns, kept: NDArray[np.int_], pose: Pose) -> SmoothedPose:
+    """Columns of the frames kept, among all frames of a pose."""
+    whole = _Columns.of(len(pose))
+    for name in ("value", "variance", "omega", "omega_spread", "set_aside"):
+        getattr(whole, name)[kept] = getattr(columns, name)
+    value, spread = whole.value, np.sqrt(whole.variance)
+    value[kept, 3, 0] = np.unwrap(value[kept, 3, 0])
+    return SmoothedPose(
+        pose=Pose(coordinates=value[:, :, 0], stroke_plane_angle=pose.stroke_plane_angle),
+        uncertainty=spread[:, :, 0],
+        rate=value[:, :, 1],
+        rate_uncertainty=spread[:, :, 1],
+        acceleration=value[:, :, 2],
+        acceleration_uncertainty=spread[:, :, 2],
+        angular_velocity_B=whole.omega,
+        angular_velocity_uncertainty=whole.omega_spread,
+        set_aside=whole.set_aside,
+    )
