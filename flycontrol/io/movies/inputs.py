@@ -86,7 +86,7 @@ def _named(path: Path) -> _Named:
 
 def _several(named: Sequence[_Named]) -> list[CameraFiles]:
     """A camera for each folder and pattern; stills that are named one by one are sorted into cameras together."""
-    loose = [file for item in named if not item.pattern for file in item.files if _is_still(file)]
+    loose = {file for item in named if not item.pattern for file in item.files if _is_still(file)}
     found: list[CameraFiles] = []
     for item in named:
         if item.folder is not None:
@@ -95,7 +95,7 @@ def _several(named: Sequence[_Named]) -> list[CameraFiles]:
             found += _matched(item)
         elif item.files[0] not in loose:
             found.append(_movie(item.files[0]))
-    return found + _sorted_out(loose)
+    return found + _sorted_out(sorted(loose, key=_in_order))
 
 
 def _all_in(folder: Path) -> list[CameraFiles]:

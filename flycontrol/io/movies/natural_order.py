@@ -12,7 +12,7 @@ _NUMBER = re.compile(r"(\d+)")
 
 def natural_key(path: Path) -> tuple[tuple[int, str | int], ...]:
     """Sort numbers in a name by their value, everything else by its letters."""
-    return tuple((0, int(part)) if part.isdigit() else (1, part.lower()) for part in _parts(path.name))
+    return tuple((0, int(part)) if k % 2 else (1, part.lower()) for k, part in enumerate(_parts(path.name)))
 
 
 def words(path: Path) -> tuple[str, ...]:

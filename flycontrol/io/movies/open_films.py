@@ -16,7 +16,7 @@ from flycontrol.io.movies.recorded_film import film_of
 from flycontrol.io.movies.sparse_movies import SparseMovie, open_sparse_movie
 from flycontrol.io.movies.stills import stills_of
 from flycontrol.io.movies.tiff_pages import TiffPages
-from flycontrol.io.movies.together import one_rate, shared_spans
+from flycontrol.io.movies.together import distinct_names, one_rate, shared_spans
 from flycontrol.io.movies.video import Video
 from flycontrol.model.film import Film
 
@@ -71,7 +71,8 @@ def open_films(
     recorded = [camera for item in found for camera in item.recorded]
     notes = [note for item in found for note in item.notes]
     spans, begun = shared_spans(recorded)
-    films = [film_of(camera, span, binary) for camera, span in zip(recorded, spans, strict=True)]
+    names = distinct_names([camera.name for camera in recorded])
+    films = [film_of(*each, binary) for each in zip(names, recorded, spans, strict=True)]
     notes += begun + [note for film in films if (note := film.note)]
     return OpenedFilms(
         films=tuple(films),

@@ -19,16 +19,12 @@ _SAMPLES = 9  #: frames that are looked at to tell silhouettes from grey images
 class RecordedFilm:
     """Frames of one camera; `model.film.Film` says what may be asked of it."""
 
+    name: str  #: what the camera is called
     recorded: Recorded
     shape: tuple[int, int]  #: rows and columns of all its frames [px]
     rule: MaskRule | None  #: where the animal is; None: the frames are grey
     first: int  #: frame of the file that is frame 0 here
     count: int  #: of frames
-
-    @property
-    def name(self) -> str:
-        """What the camera is called."""
-        return self.recorded.name
 
     @property
     def note(self) -> str:
@@ -70,11 +66,13 @@ class RecordedFilm:
         return image.astype(np.uint8) * np.uint8(255) if image.dtype == np.bool_ else image
 
 
-def film_of(camera: Recorded, span: tuple[int, int], binary: bool | None) -> RecordedFilm:
+def film_of(name: str, camera: Recorded, span: tuple[int, int], binary: bool | None) -> RecordedFilm:
     """Look at some frames of a camera and say what its film is.
 
     Parameters
     ----------
+    name
+        What it is called.
     camera
         Its frames.
     span
@@ -90,13 +88,15 @@ def film_of(camera: Recorded, span: tuple[int, int], binary: bool | None) -> Rec
     first, count = span
     looked_at = np.unique(np.linspace(first, first + count - 1, _SAMPLES).round().astype(int))
     samples = list(_readable(camera, [int(k) for k in looked_at]))
-    shapes = {image.shape: camera.where(k) for k, image in samples}
+    shapes: dict[tuple[int, ...], str] = {}
+    for k, image in samples:
+        shapes.setdefault(image.shape, camera.where(k))
     if len(shapes) > 1:
         sizes = "; ".join(f"{where} has {shape[0]} x {shape[1]}" for shape, where in shapes.items())
-        raise InvalidInputError(f"Camera {camera.name}: frames of one camera must have equally many pixels; {sizes}.")
+        raise InvalidInputError(f"Camera {name}: frames of one camera must have equally many pixels; {sizes}.")
     images = [image for _, image in samples]
     rows, columns = images[0].shape
-    return RecordedFilm(camera, (int(rows), int(columns)), silhouette_rule(images, binary), first, count)
+    return RecordedFilm(name, camera, (int(rows), int(columns)), silhouette_rule(images, binary), first, count)
 
 
 def _readable(camera: Recorded, looked_at: list[int]) -> Iterator[tuple[int, ImageArray]]:

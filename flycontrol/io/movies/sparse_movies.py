@@ -52,7 +52,10 @@ class SparseMovie:
 
     def frame(self, k: int) -> ImageArray:
         """Set the pixels of frame k on the background; true in a mask where there is none."""
-        table = self.pixels(k)
+        try:
+            table = self.pixels(k)
+        except InvalidInputError as error:
+            raise InvalidInputError(f"{self.where(k)}: {error}") from error
         if not table.size:
             table = np.empty((0, 3))
         self._refuse_no_pixels(k, table)

@@ -56,5 +56,5 @@ def _tables(path: Path, layout: Layout, count: int, frames: range) -> list[Float
     tables = [item.array() for item in found]
     for k, table in zip(frames, tables, strict=True):
         if table is None:
-            raise InvalidInputError(f"{path}, frame {k} (from 0) has no indIm, the pixels of a sparse movie.")
+            raise InvalidInputError(f"{path}: frame {k} (from 0) has no indIm, the pixels of a sparse movie.")
     return [table for table in tables if table is not None]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from flycontrol.errors import InvalidInputError
-from flycontrol.io.movies.natural_order import gap, natural_key, words
+from flycontrol.io.movies.natural_order import gap, natural_key, numbers, words
 from flycontrol.io.movies.picture import read_picture
 from flycontrol.model.film import ImageArray
 
@@ -22,6 +22,12 @@ class Stills:
     def __len__(self) -> int:
         """Count the files."""
         return len(self.files)
+
+    @property
+    def first_number(self) -> int | None:
+        """Number of the first file, where only one number in their names counts."""
+        columns = [column for column in zip(*map(numbers, self.files), strict=True) if len(set(column)) > 1]
+        return columns[0][0] if len(columns) == 1 else None
 
     def where(self, k: int) -> str:
         """Name the file, which has the number of the frame in it."""

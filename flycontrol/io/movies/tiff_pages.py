@@ -23,7 +23,7 @@ class TiffPages:
             require_format(path)
             self._file = path.open("rb")
             weakref.finalize(self, self._file.close)
-            self._open()
+            self._pages: Image.Image | None = self._opened()
             self._count = int(getattr(self._pages, "n_frames", 1))
 
     def __len__(self) -> int:
@@ -36,17 +36,19 @@ class TiffPages:
 
     def frame(self, k: int) -> ImageArray:
         """Read page k."""
-        try:
-            with refusing(self.where(k)):
-                self._pages.seek(k)
-                return grey(self._pages)
-        except InvalidInputError:
-            self._open()  # a decoder that failed leaves the pages in no good state
-            raise
+        with refusing(self.where(k)):
+            pages, self._pages = (
+                self._pages or self._opened(),
+                None,
+            )  # a decoder that fails leaves them in no good state
+            pages.seek(k)
+            image = grey(pages)
+            self._pages = pages
+            return image
 
-    def _open(self) -> None:
+    def _opened(self) -> Image.Image:
         self._file.seek(0)
-        self._pages = Image.open(self._file, formats=("TIFF",))
+        return Image.open(self._file, formats=("TIFF",))
 
 
 def page_count(path: Path) -> int:

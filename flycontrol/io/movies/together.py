@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from flycontrol.errors import InvalidInputError
 from flycontrol.io.movies.recorded import Recorded
 from flycontrol.io.movies.sparse_movies import SparseMovie
+from flycontrol.io.movies.stills import Stills
 
 _SAME = 1e-6  #: relative difference of frame rates that are one
 
@@ -32,7 +33,14 @@ def shared_spans(cameras: Sequence[Recorded]) -> tuple[list[Span], list[str]]:
         )
     if not lengths[0]:
         raise InvalidInputError(f"Camera {cameras[0].name} has no frames.")
-    return [(0, n) for n in lengths], []
+    return [(0, n) for n in lengths], _numbered_otherwise(cameras)
+
+
+def distinct_names(names: Sequence[str]) -> list[str]:
+    """Count those cameras whose files bear one name."""
+    return [
+        name if names.count(name) == 1 else f"{name} ({names[: k + 1].count(name)})" for k, name in enumerate(names)
+    ]
 
 
 def one_rate(rates: Sequence[tuple[str, float | None]]) -> float | None:
@@ -47,6 +55,15 @@ def one_rate(rates: Sequence[tuple[str, float | None]]) -> float | None:
                 f"The cameras' files must state one frame rate, but {first} has {rate:g} and {name} {other:g} frames/s."
             )
     return rate
+
+
+def _numbered_otherwise(cameras: Sequence[Recorded]) -> list[str]:
+    """Say that stills of the same instant bear different numbers, if they do."""
+    first = [(camera.name, camera.first_number) for camera in cameras if isinstance(camera, Stills)]
+    if len({number for _, number in first}) < 2 or any(number is None for _, number in first):
+        return []
+    found = ", ".join(f"those of {name} with {number}" for name, number in first)
+    return [f"The stills begin with different numbers, {found}; the first of each are taken for the same instant."]
 
 
 def _by_their_starts(cameras: Sequence[Recorded], starts: Sequence[int]) -> tuple[list[Span], list[str]]:

@@ -22,6 +22,7 @@ from flycontrol.model.film import ImageArray
 
 _KEPT = 8  #: frames that may be asked for again without decoding
 _SLOWEST = 1000.0  #: at which wingbeats can be filmed [1/s]; lower rates are those at which a film is shown
+_WHOLE = 0.9  #: of the frames that a file states; its times are too coarse to tell one or two
 _DEEP = ("gray9", "gray10", "gray12", "gray14", "gray16")  #: pixel formats of more than 8 bits
 
 
@@ -36,10 +37,10 @@ class Video:
         self._format = "gray16le" if str(stated.get("video_format")).startswith(_DEEP) else "gray"
         rate = float(stated.get("fps") or 0.0)
         self.frame_rate = rate if rate >= _SLOWEST else None  #: [1/s], where it can be that of filming
-        self.notes = () if self.frame_rate else (f"{path.name}: {rate:g} frames/s are those of showing it, not used.",)
         self._recent: dict[int, ImageArray] = {}
         self._rewind()
         self._count = self._counted()
+        self.notes = tuple(self._notes(rate, float(stated.get("duration") or 0.0)))
 
     def __len__(self) -> int:
         """Count the frames."""
@@ -59,6 +60,13 @@ class Video:
             if not self._advance():
                 raise InvalidInputError(f"{self.where(k)} is not there any more; did the file change?")
         return self._recent[k]
+
+    def _notes(self, rate: float, seconds: float) -> Iterator[str]:
+        if self.frame_rate is None:
+            yield f"{self._path.name}: its {rate:g} frames/s are those of showing it, not taken for those of filming."
+        stated = round(rate * seconds)
+        if self._count < _WHOLE * stated:
+            yield f"{self._path.name} is cut off: it says {stated} frames, and {self._count} can be read."
 
     def _rewind(self) -> None:
         self._next = 0
