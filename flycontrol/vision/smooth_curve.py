@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d
 from scipy.optimize import minimize
 
 from flycontrol.vision.noisy_spline import ORDER, NoisySpline, Posterior, Roughness
@@ -17,7 +18,8 @@ BoolArray = NDArray[np.bool_]
 _KAPPA = 2800.0  #: of lasting errors [1/s], as simulated flights at 8,000 frames a second show them (C)
 _DRIFT = 50.0  #: of what neighbouring frames share [1/s]: it changes within a few wingbeats (C)
 _FAR = 5.0  #: standard deviations from where the other frames expect a frame (C)
-_ROUNDS = 4  #: at most, of setting frames aside
+_NEAR = 3  #: frames to each side
+_ROUNDS = 6  #: at most, of setting frames aside
 _WRONG = 0.2  #: share of frames above which the stated spread is wrong, not the frames (C)
 _PIECE, _PIECES = 400, 4  #: frames of a piece, and pieces, from which the likelihood is taken
 _LOWEST, _HIGHEST = np.array([-30.0, -6.0]), np.array([8.0, 2.0])  #: of (ln q, ln s)
@@ -43,33 +45,39 @@ class SmoothCurve:
 def smooth_curve(
     values: FloatArray, spread: FloatArray, runs: Sequence[slice], frame_rate: float, *, stated: bool
 ) -> SmoothCurve:
-    """The curve behind noisy values: the posterior of `NoisySpline`, its roughness by restricted maximum likelihood.
+    """The curve behind the noisy values (N,) of one coordinate with its spread (N,); see `smooth_curves`."""
+    return smooth_curves(values[:, None], spread[:, None], runs, frame_rate, stated=stated)[0]
+
+
+def smooth_curves(
+    values: FloatArray, spread: FloatArray, runs: Sequence[slice], frame_rate: float, *, stated: bool
+) -> list[SmoothCurve]:
+    """The curves behind noisy values: posteriors of `NoisySpline`, their roughness by restricted maximum likelihood.
 
     The error of a tracker lasts: what its model of the fly lacks is the same for many frames and averages out slowly.
     Frames further from the others' expectation than that and their own spread allow are set aside.
 
     Parameters
     ----------
-    values : (N,) [u], NaN where not seen
-    spread : (N,) [u], finite and > 0 where seen
+    values : (N, K) [u], coordinates of one kind, which share their roughness; NaN where not seen
+    spread : (N, K) [u], finite and > 0 where seen
     runs : frames that belong together
     frame_rate : [1/s]
     stated : the lasting error is as large as the spread states (a = 1); otherwise it is as large as the white one
         that the likelihood finds (a = s), and the spread tells only its course
     """
-    unit, middle = float(np.nanmedian(spread)), float(np.nanmedian(values))
+    unit, middle = float(np.nanmedian(spread)), np.nanmedian(values, axis=0)
     y, sigma = (values - middle) / unit, np.where(np.isfinite(values), spread / unit, 1.0)
     aside = np.zeros(len(y), dtype=np.bool_)
     found, far = _fitted(y, sigma, runs, _KAPPA / frame_rate, stated=stated)
     for _ in range(_ROUNDS):
-        if not far.any() or np.sum(aside | far) > _WRONG * np.sum(np.isfinite(y)):
+        if not far.any() or np.sum(aside | far) > _WRONG * np.sum(np.isfinite(y[:, 0])):
             break
         aside |= far
-        found, far = _fitted(np.where(aside, np.nan, y), sigma, runs, _KAPPA / frame_rate, stated=stated)
-    scale = unit * frame_rate ** np.arange(ORDER)
-    value = found.state[:, :ORDER] * scale + middle * (np.arange(ORDER) == 0)
-    covariance = found.covariance[:, :ORDER, :ORDER] * scale[:, None] * scale
-    return SmoothCurve(value=value, covariance=covariance, set_aside=aside)
+        kept = np.where(aside[:, None], np.nan, y)
+        found, far = _fitted(kept, sigma, runs, _KAPPA / frame_rate, stated=stated)
+    scale = np.array([unit * frame_rate**order for order in range(ORDER)])
+    return [_in_units(one, aside, scale, offset) for one, offset in zip(found, middle, strict=True)]
 
 
 def followed_curve(values: FloatArray, runs: Sequence[slice], frame_rate: float, corner: float) -> FloatArray:
@@ -85,26 +93,44 @@ def followed_curve(values: FloatArray, runs: Sequence[slice], frame_rate: float,
 
 def _fitted(
     y: FloatArray, sigma: FloatArray, runs: Sequence[slice], kappa: float, *, stated: bool
-) -> tuple[Posterior, BoolArray]:
-    """The posterior of all frames, and (N,) those that are far from it."""
-    splines = [NoisySpline(y=y[run], sigma=sigma[run], kappa=kappa) for run in runs]
-    roughness = _likeliest(splines, stated=stated)
-    all_of_it = Posterior.unknown(len(y))
-    far = np.zeros(len(y), dtype=np.bool_)
-    for run, spline in zip(runs, splines, strict=True):
-        found = spline.posterior(roughness)
-        all_of_it.state[run], all_of_it.covariance[run] = found.state, found.covariance
-        far[run] = _far(spline, found, roughness)
-    return all_of_it, far
+) -> tuple[list[Posterior], BoolArray]:
+    """K posteriors of all frames, and (N,) those that are far from any of them."""
+    pieces = _some_pieces(np.isfinite(y[:, 0]), runs)
+    roughness = _likeliest([spline for piece in pieces for spline in _splines(y, sigma, piece, kappa)], stated=stated)
+    found, far = [Posterior.unknown(len(y)) for _ in y.T], np.zeros(len(y), dtype=np.bool_)
+    for run in runs:
+        for spline, whole in zip(_splines(y, sigma, run, kappa), found, strict=True):
+            part = spline.posterior(roughness)
+            whole.state[run], whole.covariance[run] = part.state, part.covariance
+            far[run] |= _far(spline, part, roughness)
+    return found, far
+
+
+def _splines(y: FloatArray, sigma: FloatArray, frames: slice, kappa: float) -> list[NoisySpline]:
+    return [NoisySpline(y=v[frames], sigma=s[frames], kappa=kappa) for v, s in zip(y.T, sigma.T, strict=True)]
+
+
+def _some_pieces(seen: BoolArray, runs: Sequence[slice]) -> list[slice]:
+    """Pieces of runs, of at most `_PIECE` frames and well seen, spread over the flight."""
+    cut = [slice(k, min(k + _PIECE, run.stop)) for run in runs for k in range(run.start, run.stop, _PIECE)]
+    content = np.array([np.sum(seen[piece]) for piece in cut])
+    rich = np.flatnonzero(content >= 0.5 * content.max())
+    chosen = np.unique(np.linspace(0, len(rich) - 1, _PIECES).round().astype(int))
+    return [cut[rich[k]] for k in chosen]
+
+
+def _in_units(found: Posterior, aside: BoolArray, scale: FloatArray, offset: float) -> SmoothCurve:
+    value = found.state[:, :ORDER] * scale
+    value[:, 0] += offset
+    covariance = found.covariance[:, :ORDER, :ORDER] * np.outer(scale, scale)
+    return SmoothCurve(value=value, covariance=covariance, set_aside=aside)
 
 
 def _likeliest(splines: Sequence[NoisySpline], *, stated: bool) -> Roughness:
-    some = _some_pieces(splines)
-
     def unlikelihood(x: FloatArray) -> float:
         inside = np.clip(x, _LOWEST, _HIGHEST)
         outside = float(np.sum((x - inside) ** 2))
-        return outside - sum(spline.log_likelihood(_roughness(inside, stated=stated)) for spline in some)
+        return outside - sum(spline.log_likelihood(_roughness(inside, stated=stated)) for spline in splines)
 
     options = {"initial_simplex": _SIMPLEX, "xatol": 0.1, "fatol": 0.1, "maxfev": 80}
     found = minimize(unlikelihood, _SIMPLEX[0], method="Nelder-Mead", options=options)
@@ -116,27 +142,17 @@ def _roughness(x: FloatArray, *, stated: bool) -> Roughness:
     return Roughness(wander=float(np.exp(x[0])), white=white, lasting=1.0 if stated else white)
 
 
-def _some_pieces(splines: Sequence[NoisySpline]) -> list[NoisySpline]:
-    """Pieces of at most `_PIECE` frames, well seen, spread over the flight."""
-    cut = [(spline, slice(k, k + _PIECE)) for spline in splines for k in range(0, len(spline.y), _PIECE)]
-    seen = np.array([np.isfinite(spline.y[part]).sum() for spline, part in cut])
-    rich = np.flatnonzero(seen >= 0.5 * seen.max())
-    chosen = np.unique(np.linspace(0, len(rich) - 1, _PIECES).round().astype(int))
-    return [_part(*cut[rich[k]]) for k in chosen]
-
-
-def _part(spline: NoisySpline, frames: slice) -> NoisySpline:
-    if frames.start == 0 and frames.stop >= len(spline.y):
-        return spline
-    return NoisySpline(y=spline.y[frames], sigma=spline.sigma[frames], kappa=spline.kappa)
-
-
 def _far(spline: NoisySpline, found: Posterior, roughness: Roughness) -> BoolArray:
-    """Where |y - E[y | other frames]| > `_FAR` times its spread; h is the weight of a frame in its own posterior."""
+    """Where |y - E[y | other frames]| is beyond `_FAR` times its spread, and the most among the frames near.
+
+    h is the weight of a frame in its own posterior.
+    """
     load = np.stack([np.ones_like(spline.sigma), roughness.lasting * spline.sigma], axis=1)
     at = [0, ORDER]
     own = (roughness.white * spline.sigma) ** 2
     h = np.einsum("ni,nij,nj->n", load, found.covariance[:, at][:, :, at], load) / own
     h = np.minimum(h, 1 - 1e-6)
     away = (spline.y - np.sum(load * found.state[:, at], axis=1)) / (1 - h)
-    return np.abs(away) > _FAR * np.sqrt(own / (1 - h) + spline.sigma**2)
+    far = np.nan_to_num(np.abs(away) / np.sqrt(own / (1 - h) + spline.sigma**2))
+    # one wrong frame makes those beside it look wrong: the worst goes first
+    return np.asarray((far > _FAR) & (far == maximum_filter1d(far, 2 * _NEAR + 1)))

@@ -15,6 +15,8 @@ FloatArray = NDArray[np.float64]
 
 _CORNER = 150.0  #: of what the moving reference follows [rad/s]: slower than a wingbeat; the result hardly knows it (C)
 
+_UPRIGHT = 0.01  #: cosine of pitch
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SmoothTurn:
@@ -82,18 +84,24 @@ def turn_spread(attitude: FloatArray, spread: FloatArray) -> FloatArray:
 
     With independent turns w about the axes,  var yaw = (w_y^2 sin^2 r + w_z^2 cos^2 r) / cos^2 p,
     var pitch = w_y^2 cos^2 r + w_z^2 sin^2 r  and  var roll = w_x^2 + sin^2 p var yaw; the axes y and z, across the
-    body, are taken alike.
+    body, are taken alike. w_x is taken from the frames around where the body is so upright that roll does not tell it.
     """
     yaw, pitch, roll = (spread**2).T
     across = (yaw * np.cos(attitude[:, 1]) ** 2 + pitch) / 2
     along = np.maximum(roll - np.sin(attitude[:, 1]) ** 2 * yaw, across)
+    told = np.flatnonzero(np.cos(attitude[:, 1]) > _UPRIGHT)
+    if len(told):
+        along = np.interp(np.arange(len(along)), told, along[told])
     return np.sqrt(np.stack([along, across, across], axis=1))
 
 
 def _continued(q: FloatArray) -> FloatArray:
-    """The same rotations, each quaternion (N, 4) on the side of the one before."""
-    flips = np.where(np.sum(q[1:] * q[:-1], axis=1) < 0, -1.0, 1.0)
-    return q * np.concatenate([[1.0], np.cumprod(flips)])[:, None]
+    """The same rotations, each quaternion (N, 4) on the side of the nearest among the three before."""
+    same = q.copy()
+    for n in range(1, len(same)):
+        cosines = same[max(n - 3, 0) : n] @ same[n]
+        same[n] *= np.copysign(1.0, cosines[np.argmax(np.abs(cosines))])
+    return same
 
 
 def _turning(slow: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -12,7 +12,7 @@ from flycontrol.errors import InvalidParameterError
 from flycontrol.model.pose import ANGLES, ATTITUDE, BASE, COORDINATES, POSITION, Pose
 from flycontrol.model.stroke import Side
 from flycontrol.vision.attitude_motion import attitude_motion
-from flycontrol.vision.smooth_curve import SmoothCurve, smooth_curve
+from flycontrol.vision.smooth_curve import SmoothCurve, smooth_curve, smooth_curves
 from flycontrol.vision.smooth_turn import SmoothTurn, smooth_turn, turn_spread
 from flycontrol.vision.smoothed_pose import SmoothedPose
 from flycontrol.vision.tracked_frame import Track
@@ -89,11 +89,6 @@ class _Sight:
         out[self.seen] = rows
         return out
 
-    def curve(self, values: FloatArray, spread: FloatArray, *, stated: bool) -> SmoothCurve:
-        """Of one coordinate (M,)."""
-        y, sigma = self.among_all(values), self.among_all(spread)
-        return smooth_curve(y, sigma, self.runs, self.frame_rate, stated=stated)
-
     def common(self, spread: FloatArray) -> FloatArray:
         """(N,) variance that no smoothing takes away, of standard deviations (M,)."""
         frames = np.arange(len(self.seen))
@@ -134,14 +129,16 @@ def _runs(seen: BoolArray, longest_gap: int) -> list[slice]:
 
 
 def _fill_body(columns: _Columns, sight: _Sight) -> SmoothTurn:
-    for k in range(POSITION.start, POSITION.stop):
-        curve = sight.curve(sight.pose.coordinates[:, k], sight.spread[:, k], stated=True)
-        columns.put(k, curve.with_common(sight.common(sight.spread[:, k])))
+    x, around = sight.pose.position_W, sight.spread[:, POSITION]
+    runs, rate = sight.runs, sight.frame_rate
+    position = smooth_curves(sight.among_all(x), sight.among_all(around), runs, rate, stated=True)
+    for k, curve in enumerate(position):
+        columns.put(k, curve.with_common(sight.common(around[:, k])))
     spread_B = turn_spread(sight.pose.coordinates[:, ATTITUDE], sight.spread[:, ATTITUDE])
     R = sight.among_all(sight.pose.body_axes_W)
-    turn = smooth_turn(R, sight.among_all(spread_B), sight.runs, sight.frame_rate)
+    turn = smooth_turn(R, sight.among_all(spread_B), runs, rate)
     turn = turn.with_common(np.stack([sight.common(column) for column in spread_B.T], axis=1))
-    motion = attitude_motion(turn, sight.frame_rate)
+    motion = attitude_motion(turn, rate)
     columns.value[:, ATTITUDE], columns.variance[:, ATTITUDE] = motion.angles, motion.spread**2
     columns.omega[:], columns.omega_spread[:] = motion.angular_velocity_B, motion.angular_velocity_spread
     columns.set_aside[:, ATTITUDE] = turn.set_aside[:, None]
@@ -154,7 +151,8 @@ def _fill_wing(columns: _Columns, sight: _Sight, turn: SmoothTurn, side: Side) -
     wing[:, :3] = np.unwrap(wing[:, :3], axis=0)
     places = np.r_[ANGLES[side], BASE[side]]
     for k, values in zip(places, wing.T, strict=True):
-        columns.put(k, sight.curve(values, sight.spread[:, k], stated=False))
+        y, sigma = sight.among_all(values), sight.among_all(sight.spread[:, k])
+        columns.put(k, smooth_curve(y, sigma, sight.runs, sight.frame_rate, stated=False))
     now = Pose(coordinates=columns.value[:, :, 0], stroke_plane_angle=sight.pose.stroke_plane_angle)
     by_turns = by_body_turns(now, side)
     for run in sight.runs:

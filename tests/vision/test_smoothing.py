@@ -1,15 +1,19 @@
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from filmed_flights import RATE, apart, turning_flight
+from filmed_flights import BARE, CAMERAS, RATE, STROKE_PLANE, apart, drawn, turning_flight
 from scipy.interpolate import make_interp_spline
 from scipy.spatial.transform import Rotation
 
-from flycontrol.model.pose import pose_of_axes
+from flycontrol.errors import InvalidParameterError
+from flycontrol.model.pose import mirrored, pose_of_axes
 from flycontrol.units import deg, mm
+from flycontrol.vision.follower import Fly
+from flycontrol.vision.smooth_curve import smooth_curve
 from flycontrol.vision.smoothed_pose import SmoothedPose
 from flycontrol.vision.smoothing import smoothed
+from flycontrol.vision.track import track as track_silhouettes
 from flycontrol.vision.tracked_frame import Track
 
 #: Standard deviations as a tracker states them: most of those of the wings come from the body's roll.
@@ -64,6 +68,33 @@ def unseen(track, frames, status="bridged"):
 
 def with_coordinates(track, X):
     return replace(track, pose=replace(track.pose, coordinates=X))
+
+
+def rotated_pose(pose, Q):
+    wings = pose.wing_axes_W("left"), pose.wing_axes_W("right")
+    return pose_of_axes(
+        pose.position_W @ Q.T, Q @ pose.body_axes_W, tuple(Q @ axes for axes in wings),
+        (pose.base_B("left"), pose.base_B("right")), pose.stroke_plane_angle,
+    )  # fmt: skip
+
+
+def rotated(track, Q):
+    """Seen in another world, turns of the body known to 2.8 deg about its length and 0.17 deg across."""
+    pose = rotated_pose(track.pose, Q)
+    U = track.uncertainty.copy()
+    U[:, 3] = 0.17 * deg / np.cos(pose.pitch)
+    U[:, 4] = 0.17 * deg
+    U[:, 5] = np.hypot(2.8 * deg, np.sin(pose.pitch) * U[:, 3])
+    return replace(track, pose=pose, uncertainty=U)
+
+
+def names_of(found):
+    return [field.name for field in fields(found)]
+
+
+def pose_far(frames):
+    """Frames that are not within ten of these."""
+    return [k for k in range(216) if all(abs(k - other) > 10 for other in frames)]
 
 
 def rms(values):
@@ -129,3 +160,151 @@ def test_derivatives_are_those_of_the_smoothed_curve(smooth_flight):
     ):
         away = np.abs(np.diff(low, axis=0) / step - (high[1:] + high[:-1]) / 2)
         assert np.all(np.median(away / width[1:], axis=0) < 0.5)
+
+
+def test_time_reversed_gives_the_same_curves_with_rates_reversed(flight, smooth_flight):
+    track = flight[1]
+    back = smoothed(with_coordinates(track, track.pose.coordinates[::-1]), RATE)
+    forth = SmoothedPose(**{
+        name: back.pose[::-1] if name == "pose" else getattr(back, name)[::-1] for name in names_of(back)
+    })  # fmt: skip
+    reversed_rates = replace(forth, rate=-forth.rate, angular_velocity_B=-forth.angular_velocity_B)
+    alike(reversed_rates, smooth_flight)
+
+
+def test_rotating_the_world_rotates_the_result_even_through_upright(flight):
+    """Turned so that the fly flies nose up, where yaw and roll jump."""
+    track = flight[1]
+    forward = track.pose.body_axes_W[108, :, 0]
+    nose_up = Rotation.align_vectors([0.0, 0.0, 1.0], forward)[0].as_matrix()
+    plain, other = (smoothed(rotated(track, Q), RATE) for Q in (np.eye(3), nose_up))
+    assert np.max(other.pose.pitch) > 88 * deg
+    there = rotated_pose(plain.pose, nose_up)
+    turns = Rotation.from_matrix(np.swapaxes(there.body_axes_W, 1, 2) @ other.pose.body_axes_W).magnitude()
+    assert np.max(turns) < 1e-3 * deg
+    assert np.max(np.abs(there.position_W - other.pose.position_W)) < 1e-3 * SPREAD[0]
+    assert np.max(np.abs(there.coordinates[:, 6:] - other.pose.coordinates[:, 6:]) / SPREAD[6:]) < 1e-2
+    away = np.abs(plain.angular_velocity_B - other.angular_velocity_B)
+    assert np.max(away / plain.angular_velocity_uncertainty) < 1e-2
+
+
+def test_yaw_of_another_turn_changes_nothing(flight, smooth_flight):
+    track = flight[1]
+    X = track.pose.coordinates.copy()
+    X[:, 3] += 2 * np.pi * (np.arange(len(X)) % 3)
+    alike(smoothed(with_coordinates(track, X), RATE), smooth_flight)
+
+
+def test_yaw_runs_on_beyond_half_a_turn(flight):
+    track = rotated(flight[1], turned(np.array([0.0, 0.0, -120 * deg])))
+    assert np.max(np.abs(np.diff(track.pose.yaw))) > 350 * deg
+    yaw = smoothed(track, RATE).pose.yaw
+    assert np.max(np.abs(np.diff(yaw))) < 5 * deg
+
+
+def test_mirrored_flights_give_mirrored_curves(flight, smooth_flight):
+    track = flight[1]
+    other = smoothed(replace(track, pose=mirrored(track.pose)), RATE)
+    away = np.abs(apart(mirrored(smooth_flight.pose), other.pose))
+    assert np.max(away / other.uncertainty) < 1e-3
+    assert np.allclose(other.angular_velocity_B[:, 1], smooth_flight.angular_velocity_B[:, 1], rtol=1e-3, atol=1e-2)
+
+
+def test_a_gap_is_bridged_with_bands_that_grow_and_changes_little_outside(flight, smooth_flight):
+    pose, track = flight
+    gap = np.arange(100, 108)
+    for status in ("bridged", "lost"):
+        found = smoothed(unseen(track, gap, status), RATE)
+        assert np.all(np.isfinite(found.pose.coordinates))
+        wider = found.uncertainty[gap] / smooth_flight.uncertainty[gap]
+        assert np.all(wider > 0.99)
+        assert np.all(np.max(wider, axis=0)[[8, 11]] > 3)  # wings turn over within such a gap
+        away = np.abs(apart(found.pose, pose))[gap]
+        assert np.all(np.mean(away < 1.96 * found.uncertainty[gap], axis=0)[:6] > 0.85)
+        far = np.r_[0:60, 150:200]
+        moved = np.abs(apart(found.pose, smooth_flight.pose))[far]
+        assert np.all(np.median(moved / found.uncertainty[far], axis=0) < 0.1)
+
+
+def test_what_the_tracker_expects_of_frames_that_it_did_not_see_is_no_observation(flight):
+    track = flight[1]
+    X = track.pose.coordinates.copy()
+    X[100:108] += 1.0
+    alike(*(smoothed(unseen(t, np.arange(100, 108)), RATE) for t in (track, with_coordinates(track, X))))
+
+
+def test_frames_lost_at_both_ends_and_in_too_long_a_gap_stay_unknown(flight):
+    track = flight[1]
+    lost = np.r_[0:10, 90:131, 205 : len(track)]
+    found = smoothed(unseen(track, lost, "lost"), RATE, longest_gap=40)
+    known = np.setdiff1d(np.arange(len(track)), lost)
+    for name in names_of(found):
+        values = found.pose.coordinates if name == "pose" else getattr(found, name)
+        if values.dtype == np.bool_:
+            continue
+        assert np.all(np.isnan(values[lost]))
+        assert np.all(np.isfinite(values[known]))
+    bridged = smoothed(unseen(track, lost, "lost"), RATE, longest_gap=41)
+    assert np.all(np.isfinite(bridged.pose.coordinates[10:205]))
+
+
+def test_too_few_frames_give_nothing(flight):
+    track = flight[1]
+    found = smoothed(unseen(track, np.r_[7 : len(track)], "lost"), RATE)
+    assert np.all(np.isnan(found.pose.coordinates))
+    assert not found.set_aside.any()
+
+
+def test_a_wing_that_is_wrong_in_a_few_frames_is_set_aside_and_counted(flight, smooth_flight):
+    pose, track = flight
+    wrong = [30, 95, 160]
+    X = track.pose.coordinates.copy()
+    X[wrong, 6] += 50 * deg
+    found = smoothed(with_coordinates(track, X), RATE)
+    assert list(np.flatnonzero(found.set_aside[:, 6])) == wrong
+    assert not smooth_flight.set_aside.any()
+    away = np.abs(apart(found.pose, pose)[:, 6])
+    assert np.all(away[wrong] < 2 * found.uncertainty[wrong, 6])
+    assert np.max(np.abs(apart(found.pose, smooth_flight.pose)[:, 6] / found.uncertainty[:, 6])[pose_far(wrong)]) < 0.1
+
+
+def test_a_body_that_points_backwards_in_one_frame_is_set_aside(flight):
+    pose, track = flight
+    X = track.pose.coordinates.copy()
+    X[100, 3] += np.pi
+    found = smoothed(with_coordinates(track, X), RATE)
+    assert list(np.flatnonzero(found.set_aside[:, 3])) == [100]
+    assert np.max(np.abs(apart(found.pose, pose)[:, 3])) < 1 * deg
+
+
+def test_white_noise_on_a_sine_is_reduced_and_its_bands_are_calibrated():
+    rng = np.random.default_rng(1)
+    time = np.arange(400) / RATE
+    sine, sigma = np.sin(2 * np.pi * 100 * time), 0.05
+    hits, gains = [], []
+    for _ in range(5):
+        y = sine + sigma * rng.standard_normal(len(time))
+        curve = smooth_curve(y, np.full(len(time), sigma), [slice(0, 400)], RATE, stated=False)
+        away = curve.value[:, 0] - sine
+        hits.append(np.abs(away) < 1.96 * np.sqrt(curve.covariance[:, 0, 0]))
+        gains.append(rms(away) / rms(y - sine))
+    assert np.max(gains) < 0.5
+    assert 0.88 < np.mean(hits) <= 1.0
+
+
+def test_a_frame_rate_that_is_none_is_refused(flight):
+    with pytest.raises(InvalidParameterError, match="frame rate"):
+        smoothed(flight[1], 0.0)
+    with pytest.raises(InvalidParameterError, match="longest gap"):
+        smoothed(flight[1], RATE, longest_gap=-1)
+
+
+@pytest.mark.slow
+def test_a_tracked_flight_comes_nearer_to_the_truth_in_every_coordinate_and_its_bands_hold():
+    pose = turning_flight(5)
+    track = track_silhouettes(drawn(pose), CAMERAS, Fly(shape=BARE, stroke_plane_angle=STROKE_PLANE))
+    found = smoothed(track, RATE)
+    gain = rms(apart(found.pose, pose)) / rms(apart(track.pose, pose))
+    assert np.all(gain < 1), gain
+    inside = np.abs(apart(found.pose, pose)) < 1.96 * found.uncertainty
+    assert np.all(np.mean(inside, axis=0) > 0.85), np.mean(inside, axis=0)
