@@ -12,6 +12,7 @@ from flycontrol.cli.fit import fit
 from flycontrol.cli.report import parameters, report
 from flycontrol.cli.simulate import experiment, simulate
 from flycontrol.cli.terminal import WorkInterruptedError, say
+from flycontrol.cli.track import track
 from flycontrol.cli.validate import validate
 from flycontrol.errors import FlycontrolError
 
@@ -75,4 +76,5 @@ app.command()(example)
 app.command()(fit)
 app.command()(experiment)
 app.command()(simulate)
+app.command()(track)
 app.command()(validate)

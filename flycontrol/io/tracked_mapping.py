@@ -15,7 +15,7 @@ _HEAD = """\
 # Add a [perturbation] if the fly was perturbed; flycontrol fit needs to know when.
 
 name = "tracked flight"
-source = "flycontrol track"
+source = "flycontrol"
 """
 
 

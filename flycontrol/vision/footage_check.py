@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -33,6 +34,7 @@ class FootageCheck:
     calibration: CalibrationCheck
     scale: float  #: mean of the cameras at the animal [px/m]
     doubt: str  #: a sentence, or empty
+    sha256: str  #: over the pixels of the frames that were looked at
 
 
 def spread_frames(count: int, wanted: int = _SPREAD) -> list[int]:
@@ -68,7 +70,17 @@ def checked_footage(footage: Footage, cameras: Sequence[Camera], wing_length: fl
     scale = _scale(alone, cameras)
     _refuse_other_size(alone, scale, wing_length)
     calibration = check_calibration([sighting.masks for sighting in alone], cameras)
-    return FootageCheck(calibration=calibration, scale=scale, doubt=_judged(calibration, extent))
+    return FootageCheck(
+        calibration=calibration, scale=scale, doubt=_judged(calibration, extent), sha256=_digest(frames)
+    )
+
+
+def _digest(frames: Sequence[FilmedFrame]) -> str:
+    total = hashlib.sha256()
+    for frame in frames:
+        for image in frame.images:
+            total.update(f"{image.dtype.str} {image.shape}".encode() + np.ascontiguousarray(image).tobytes())
+    return total.hexdigest()
 
 
 def _why_nothing(frames: Sequence[FilmedFrame], sightings: Sequence[Sighting], footage: Footage) -> str:
@@ -113,9 +125,13 @@ def _refuse_other_size(sightings: Sequence[Sighting], scale: float, wing_length:
     largest = float(np.median([max(_extent(mask) for mask in sighting.masks) for sighting in sightings])) / scale
     if not _SMALLEST * wing_length < largest < _LARGEST * wing_length:
         raise InvalidInputError(
-            f"With these cameras the animal would be {largest / mm:.3g} mm across, where a fly with wings of "
+            f"With these cameras the animal would be {_length(largest)} across, where a fly with wings of "
             f"{wing_length / mm:.3g} mm is expected; check the unit of the calibration's lengths, and which fly it is."
         )
+
+
+def _length(metres: float) -> str:
+    return f"{metres:.3g} m" if metres >= 0.1 else f"{metres / mm:.3g} mm"
 
 
 def _judged(calibration: CalibrationCheck, extent: float) -> str:

@@ -1,0 +1,281 @@
+"""What `flycontrol track` is asked to do, from options to films, cameras and a fly."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from flycontrol.errors import InvalidInputError
+
+if TYPE_CHECKING:
+    from flycontrol.model.camera import Camera
+    from flycontrol.model.film import Film
+    from flycontrol.model.provenance import SourcedMorphology
+    from flycontrol.model.world_axes import Axis
+    from flycontrol.report.tracked_result import TrackOrigin
+    from flycontrol.vision.flight_of_film import FilmedFlight
+    from flycontrol.vision.footage_check import FootageCheck
+    from flycontrol.vision.silhouettes import Segmentation
+    from flycontrol.vision.tracked_film import Asked
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FilmOptions:
+    """Options that say what was filmed, as typed."""
+
+    inputs: tuple[str, ...]
+    cameras: Path | None
+    frame_rate: float | None
+    frames: str | None
+    up: str
+    unit: str
+    camera_variable: str | None
+    first_pixel: int | None
+    rows_from_below: bool
+    film_variable: str | None
+    silhouettes: bool | None
+    background: str | None
+    bright: bool
+    contrast: float | None
+    dust: float
+    wingbeats: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlyOptions:
+    """Options that say which fly, and how it is tracked, as typed."""
+
+    file: str
+    body_length: str | None
+    stroke_plane_angle: str | None
+    fit_sizes: bool | None
+    hull_only: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TrackInputs:
+    """All that is needed to track, checked."""
+
+    filmed: FilmedFlight
+    asked: Asked
+    check: FootageCheck
+    fly: SourcedMorphology
+    cameras_file: Path | None
+    notes: tuple[str, ...]
+
+    def origin(self, command: str) -> TrackOrigin:
+        """For result.json."""
+        from flycontrol.report.tracked_result import TrackOrigin
+
+        file = self.cameras_file
+        return TrackOrigin(
+            command=command,
+            films=tuple(film.name for film in self.filmed.footage.films),
+            images_sha256=self.check.sha256,
+            cameras=None if file is None else file.name,
+            cameras_sha256=None if file is None else hashlib.sha256(file.read_bytes()).hexdigest(),
+            fly=self.fly.file,
+            fly_sha256=self.fly.sha256,
+            notes=self.notes,
+        )
+
+
+def track_inputs(films: FilmOptions, which: FlyOptions) -> TrackInputs:
+    """Read and check everything; InvalidInputError for what cannot be meant, before any frame is tracked."""
+    from flycontrol.io.morphology_files import read_morphology
+    from flycontrol.vision.footage_check import checked_footage
+
+    fly = read_morphology(which.file)
+    asked = _asked(fly, which, simulated=not films.inputs)
+    notes: tuple[str, ...] = ()
+    if films.inputs:
+        filmed, notes = _filmed(films)
+    else:
+        filmed = _simulated(films, asked, fly)
+    check = checked_footage(filmed.footage, filmed.cameras, fly.morphology.wing_length)
+    return TrackInputs(
+        filmed=filmed,
+        asked=asked,
+        check=check,
+        fly=fly,
+        cameras_file=films.cameras if films.inputs else None,
+        notes=notes,
+    )
+
+
+def identity_of(given: TrackInputs, films: FilmOptions) -> str:
+    """Digest of all that the coordinates depend on: films, cameras, fly and options."""
+    from dataclasses import replace
+
+    from flycontrol.jobs.digest import stamp_of
+    from flycontrol.jobs.packed import Packing
+    from flycontrol.vision.kept_state import kept
+
+    packing, footage = Packing(), given.filmed.footage
+    packing.add(kept(given.asked.fly), "the fly")
+    packing.add([camera.matrix for camera in given.filmed.cameras], "the cameras")
+    packing.add(list(footage.backgrounds), "the backgrounds")
+    options = replace(films, cameras=None, inputs=(), background=None)
+    told = (options, given.asked.fit_sizes, given.asked.refine, given.filmed.frames, given.check.sha256)
+    total = hashlib.sha256(packing.to_bytes() + repr(told).encode())
+    total.update(repr([repr(camera.distortion) for camera in given.filmed.cameras]).encode())
+    total.update(stamp_of([Path(name) for name in films.inputs]).encode())
+    return total.hexdigest()
+
+
+def _asked(fly: SourcedMorphology, which: FlyOptions, *, simulated: bool) -> Asked:
+    from flycontrol.io.quantities import ANGLE, LENGTH, read_quantity
+    from flycontrol.units import mm
+    from flycontrol.vision.fly_shape import fly_shape
+    from flycontrol.vision.follower import Fly
+    from flycontrol.vision.tracked_film import Asked
+
+    found, angle, length = fly.morphology, fly.morphology.stroke_plane_angle, None
+    if which.stroke_plane_angle is not None:
+        angle = read_quantity(which.stroke_plane_angle, ANGLE, key="--stroke-plane-angle").value
+    if which.body_length is not None:
+        length = read_quantity(which.body_length, LENGTH, key="--body-length").value
+        if not found.wing_length / 3 < length < found.wing_length * 3:
+            raise InvalidInputError(
+                f"--body-length is {which.body_length}, but the wings of {found.species} are "
+                f"{found.wing_length / mm:.3g} mm long; a fly's body is about as long as a wing."
+            )
+    shape = fly_shape(found.planform, body_length=length, pitch_axis=found.pitch_axis)
+    fit = not simulated if which.fit_sizes is None else which.fit_sizes
+    return Asked(fly=Fly(shape=shape, stroke_plane_angle=angle), fit_sizes=fit, refine=not which.hull_only)
+
+
+def _simulated(films: FilmOptions, asked: Asked, fly: SourcedMorphology) -> FilmedFlight:
+    from flycontrol.vision.example_flight import FRAME_RATE, example_flight
+    from flycontrol.vision.flight_of_film import FilmedFlight
+    from flycontrol.vision.footage import Footage
+
+    _refuse_options_of_films(films)
+    found = fly.morphology
+    made = example_flight(
+        found.planform,
+        pitch_axis=found.pitch_axis,
+        stroke_plane_angle=asked.fly.stroke_plane_angle,
+        wingbeats=films.wingbeats,
+    )
+    footage = Footage(
+        films=made.films, frame_rate=FRAME_RATE, backgrounds=tuple(film.background for film in made.films)
+    )
+    return FilmedFlight(
+        name="simulated fly",
+        footage=footage,
+        frames=range(len(made.truth)),
+        cameras=made.cameras,
+        world="z up",
+        truth=made.truth,
+    )
+
+
+def _refuse_options_of_films(films: FilmOptions) -> None:
+    given = {"--cameras": films.cameras, "--frame-rate": films.frame_rate, "--frames": films.frames,
+             "--background": films.background}  # fmt: skip
+    named = next((name for name, value in given.items() if value is not None), None)
+    if named is not None:
+        raise InvalidInputError(f"{named} belongs to films, but none is given; name the films, or leave it out.")
+
+
+def _filmed(films: FilmOptions) -> tuple[FilmedFlight, tuple[str, ...]]:
+    """Films as asked for, and what was decided in reading them."""
+    from flycontrol.io.frame_ranges import frame_range
+    from flycontrol.io.movies.open_films import open_films
+    from flycontrol.model.film_part import FilmPart
+    from flycontrol.model.world_axes import upright, upright_words
+    from flycontrol.vision.flight_of_film import FilmedFlight
+    from flycontrol.vision.footage import Footage
+
+    if films.cameras is None:
+        raise InvalidInputError("--cameras is missing: films need the file of their cameras' calibration.")
+    up = _up(films.up)
+    how = _segmentation(films)
+    opened = open_films(films.inputs, binary=films.silhouettes, variable=films.film_variable)
+    frames = frame_range(films.frames, len(opened.films[0]))
+    rate = _frame_rate(films.frame_rate, opened.frame_rate) / frames.step
+    cameras = _cameras(films, films.cameras, [film.shape for film in opened.films])
+    parts = tuple(FilmPart(film, frames) for film in opened.films)
+    backgrounds = _backgrounds(films.background, parts, opened.backgrounds)
+    turned = tuple(camera.moved(upright(up)) for camera in cameras)
+    footage = Footage(films=parts, frame_rate=rate, backgrounds=tuple(backgrounds), how=how)
+    name = ", ".join(Path(each).stem for each in films.inputs)
+    filmed = FilmedFlight(
+        name=name, footage=footage, frames=frames, cameras=_facing(turned), world=upright_words(up)
+    )  # fmt: skip
+    return filmed, tuple(opened.notes)
+
+
+def _up(name: str) -> Axis:
+    from flycontrol.model.world_axes import AXES
+
+    for axis in AXES:
+        if axis == name:
+            return axis
+    raise InvalidInputError(f"--up must be one of {', '.join(AXES)}, got '{name}'.")
+
+
+def _segmentation(films: FilmOptions) -> Segmentation:
+    from flycontrol.errors import InvalidParameterError
+    from flycontrol.vision.silhouettes import Segmentation
+
+    try:
+        return Segmentation(contrast=films.contrast, dark=not films.bright, smallest_share=films.dust)
+    except InvalidParameterError as error:
+        raise InvalidInputError(f"--contrast or --dust cannot be meant: {error}") from error
+
+
+def _frame_rate(typed: float | None, told: float | None) -> float:
+    from flycontrol.io.clock import FASTEST, SLOWEST
+
+    rate = told if typed is None else typed
+    if rate is None:
+        raise InvalidInputError("--frame-rate is missing: the films do not say how many frames a second they have.")
+    if not SLOWEST <= rate <= FASTEST:
+        raise InvalidInputError(
+            f"{'--frame-rate' if typed is not None else 'the frame rate of the films'} is {rate:g} frames a second, "
+            f"outside the plausible {SLOWEST:g} to {FASTEST:g}; a fruit fly beats its wings some 200 times a second."
+        )
+    return rate
+
+
+def _cameras(films: FilmOptions, file: Path, shapes: Sequence[tuple[int, int]]) -> tuple[Camera, ...]:
+    from flycontrol.io.cameras import read_cameras
+    from flycontrol.io.quantities import LENGTH, unit_factor
+    from flycontrol.model.camera_forms import MATLAB_PIXELS, OPENCV_PIXELS, PixelConvention
+
+    pixels = None
+    if films.first_pixel is not None or films.rows_from_below:
+        usual = OPENCV_PIXELS if films.first_pixel == 0 else MATLAB_PIXELS
+        pixels = PixelConvention(first=usual.first, from_below=films.rows_from_below)
+    unit = unit_factor(films.unit, LENGTH, key="--unit")
+    return read_cameras(file, shapes, unit=unit, pixels=pixels, variable=films.camera_variable)
+
+
+def _facing(cameras: tuple[Camera, ...]) -> tuple[Camera, ...]:
+    from flycontrol.model.camera_forms import facing_the_scene
+
+    return facing_the_scene(cameras)
+
+
+def _backgrounds(path: str | None, films: Sequence[Film], told: Sequence[object]) -> list:
+    from flycontrol.io.movies.open_films import open_films
+    from flycontrol.vision.backgrounds import film_background
+
+    if path is None:
+        return [film_background(film) if known is None else known for film, known in zip(films, told, strict=True)]
+    empty = open_films([path], binary=False).films
+    if [film.shape for film in empty] != [film.shape for film in films]:
+        raise InvalidInputError(
+            f"--background {path} has pictures of {_sizes(empty)} pixels where the films have {_sizes(films)}; one for "
+            "each film is needed, of its size."
+        )
+    return [film_background(scene) if not film.binary else None for scene, film in zip(empty, films, strict=True)]
+
+
+def _sizes(films: Sequence[Film]) -> str:
+    return ", ".join(f"{rows} x {columns}" for rows, columns in (film.shape for film in films))

@@ -1,0 +1,83 @@
+"""All files of a tracked flight: recording, mapping, cameras, result and page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from flycontrol.errors import InvalidInputError
+from flycontrol.io.anipose import anipose_text, without_skew
+from flycontrol.io.tracked_mapping import RECORDING_NAMES, tracked_mapping
+from flycontrol.io.trajectory_files import TrajectoryFormat
+from flycontrol.jobs.files import write_files_atomically
+from flycontrol.jobs.progress import Progress, no_progress
+from flycontrol.report.tracked_recording import write_tracked_recording
+from flycontrol.report.tracked_result import TrackOrigin, tracked_result_json, wingbeat_frequency
+from flycontrol.vision.tracked_flight import TrackedFlight
+
+_ABOUT = 2e-3  #: around the flight, where the cameras of `cameras.toml` are to agree with those of the calibration [m]
+
+_WORDS = {
+    "mapping.toml": "reads the recording, for flycontrol report and flycontrol fit",
+    "cameras.toml": "are the cameras as anipose keeps them, in this world, rows and columns at right angles, mm",
+}
+
+
+def write_tracked_files(
+    flight: TrackedFlight,
+    folder: Path,
+    recording: Path,
+    form: TrajectoryFormat,
+    origin: TrackOrigin,
+    progress: Progress = no_progress,
+) -> tuple[Path, ...]:
+    """Write everything into a folder, all or none.
+
+    Parameters
+    ----------
+    flight
+        What was tracked.
+    folder
+        Where the files go.
+    recording
+        A new file in that folder that takes the recording until all files get their names.
+    form
+        Of the recording.
+    origin
+        Where the flight comes from.
+    progress
+        Told how far it is.
+
+    Raises
+    ------
+    OutputError
+        If anything could not be written; earlier files stay as they were.
+    """
+    name = RECORDING_NAMES[form]
+    write_tracked_recording(recording, form, flight, str(folder / name))
+    cameras, no_cameras = _anipose(flight)
+    beside: dict[str, str | bytes | Path] = {name: recording, "mapping.toml": _mapping(flight, form), **cameras}
+    files = {file: _WORDS.get(file, "is the recording") for file in beside}
+    beside["result.json"] = tracked_result_json(flight, origin, files, no_cameras)
+    progress(len(flight.time), len(flight.time), "writing")
+    return write_files_atomically(folder, beside)
+
+
+def _mapping(flight: TrackedFlight, form: TrajectoryFormat) -> str:
+    whole = bool(np.all(np.isfinite(flight.smoothed.pose.coordinates)))
+    angle = flight.smoothed.pose.stroke_plane_angle
+    return tracked_mapping(form, stroke_plane_angle=angle, frequency=wingbeat_frequency(flight), whole=whole)
+
+
+def _anipose(flight: TrackedFlight) -> tuple[dict[str, str], str]:
+    """cameras.toml, or why there is none."""
+    where = flight.track.pose.position_W
+    where = where[np.all(np.isfinite(where), axis=1)]
+    low, high = where.min(axis=0) - _ABOUT, where.max(axis=0) + _ABOUT
+    grid = np.stack(np.meshgrid(*np.linspace(low, high, 4).T, indexing="ij"), axis=-1).reshape(-1, 3)
+    try:
+        straight = [camera if camera.orthographic else without_skew(camera, grid) for camera in flight.cameras]
+        return {"cameras.toml": anipose_text(straight)}, ""
+    except InvalidInputError as error:
+        return {}, str(error)
