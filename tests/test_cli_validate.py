@@ -102,10 +102,10 @@ def test_an_analysis_that_fails_has_its_row_and_ends_the_command_with_status_1(p
     (place.folder / "analyses" / "lost.py").write_text('raise SystemExit("The data are not there.")')
     status, said = place.run("--out", "page")
     assert status == 1
-    assert "lost could not be run: The data are not there." in said
-    assert "vague could not be run: vague.json, claim 1: agreement begins with one of" in said
+    assert "lost gave no result: The data are not there." in said
+    assert "vague gave no result: vague.json, claim 1: agreement begins with one of" in said
     page = (place.folder / "page" / "index.html").read_text()
-    assert "<b>could not be run:</b> The data are not there." in page
+    assert "<b>no result:</b> The data are not there." in page
     assert "Real measurements were not there" in page
     assert "good is so" in page
     (place.folder / "analyses" / "lost.py").unlink()
@@ -136,6 +136,33 @@ def test_an_interrupted_run_keeps_what_is_finished_and_goes_on(place, how):
     assert "from 2 analyses, 1 of them run now" in said
     assert place.runs == ["first", "second", "second"]
     assert sorted(path.name for path in (place.folder / "page" / "kept").iterdir()) == ["first.json", "second.json"]
+
+
+def test_what_a_failed_analysis_said_is_kept_and_its_message_is_whole(place):
+    (place.folder / "analyses" / "lost.py").write_text('def f():\n    raise ValueError("one\\ntwo")\nf()')
+    (place.folder / "analyses" / "torn.py").write_text("def")
+    place.analysis("elsewhere", wait="json.dump({'claims': []}, open(sys.argv[1] + '/other.json', 'w'))")
+    place.analysis("slow", wait="time.sleep(60)")
+    status, said = place.run("--out", "page", "--limit", "0.1")
+    assert status == 1
+    assert "lost gave no result: ValueError: one two\n" in said
+    assert "torn gave no result: SyntaxError: invalid syntax" in said
+    assert "elsewhere gave no result: other.json holds claims, which are read from elsewhere.json alone" in said
+    assert "slow gave no result: it was ended after 6 s" in said
+    assert 'raise ValueError("one' in (place.folder / "page" / "kept" / "lost.log").read_text()
+
+
+def test_a_changed_file_beside_the_analyses_makes_them_run_again_and_old_results_go(place):
+    (place.folder / "analyses" / "table.csv").write_text("1")
+    place.analysis("one", wait="pathlib.Path(sys.argv[1], 'old.txt').write_text('1')")
+    place.run("--out", "page")
+    (place.folder / "analyses" / "table.csv").write_text("2")
+    place.run("--out", "page")
+    assert place.runs == ["one", "one"]
+    assert (place.folder / "page" / "one" / "old.txt").exists()
+    place.analysis("one")
+    place.run("--out", "page")
+    assert sorted(path.name for path in (place.folder / "page" / "one").iterdir()) == ["one.json", "one.md"]
 
 
 def test_missing_folders_are_refused_in_a_sentence_and_nothing_is_written(place):

@@ -16,6 +16,7 @@ from flycontrol.errors import InvalidInputError
 
 if TYPE_CHECKING:
     from flycontrol.io.analyses import Analyses, Analysis
+    from flycontrol.jobs.progress import Progress
     from flycontrol.jobs.scripts import Script, ScriptEnd
     from flycontrol.report.validation import Finding
 
@@ -34,8 +35,8 @@ class _Measurements:
 
 def validate(
     out: Annotated[
-        Path, typer.Option(metavar="DIR", help="Folder for index.html, result.json and the analyses' own reports.")
-    ] = Path("reports/validation"),
+        str, typer.Option(metavar="DIR", help="Folder for index.html, result.json and the analyses' own reports.")
+    ] = "reports/validation",
     analyses: Annotated[
         Path, typer.Option(metavar="DIR", help="Folder of the analyses, one Python file a question.")
     ] = Path("analyses"),
@@ -51,6 +52,9 @@ def validate(
     workers: Annotated[
         int | None, typer.Option(min=1, metavar="NUMBER", help="Analyses at a time; left out: one on every core.")
     ] = None,
+    limit: Annotated[
+        float, typer.Option(min=0.01, metavar="MINUTES", help="An analysis that takes longer is ended and has failed.")
+    ] = 60.0,
 ) -> None:
     """Run every analysis and put each claim of the review beside what it finds, those that fail too.
 
@@ -65,30 +69,50 @@ def validate(
     from flycontrol.jobs.scripts import run_scripts
 
     started = time.perf_counter()
-    if not str(out).strip() or str(out) == ".":
+    if not out.strip():
         raise InvalidInputError("--out is empty; name a folder such as reports/validation.")
+    folder = Path(out)
     found = read_analyses(analyses)
     measured = _measurements(data, found)
-    own = out if reports is None else reports
-    for folder in (out, own):
-        require_writable_folder(folder)
+    own = folder if reports is None else reports
+    for place in (folder, own):
+        require_writable_folder(place)
     scripts = _scripts(found, own, measured)
     environment = {} if measured.folder is None else {"FLYCONTROL_DATA": str(measured.folder)}
-    kept = out / "kept"
+    kept = folder / "kept"
     with progress_bar() as progress, _kept_when_interrupted(kept):
         ends = run_scripts(
-            scripts, kept, at_once=ProcessPool(workers).count, environment=environment, progress=progress
-        )
-    failures = _reported(found, ends, own, out, measured)
+            scripts, kept, at_once=ProcessPool(workers).count, environment=environment, limit=60.0 * limit,
+            progress=_told(progress),
+        )  # fmt: skip
+    failures = _reported(found, ends, own, folder, measured)
     run = sum(not end.kept for end in ends)
     say(
-        f"wrote {out / 'index.html'} and result.json from {len(ends)} analyses, {run} of them run now, in "
+        f"wrote {folder / 'index.html'} and result.json from {len(ends)} analyses, {run} of them run now, in "
         f"{time.perf_counter() - started:.1f} s"
     )
     for failure in failures:
         say(failure)
+    if any(end.failure for end in ends):
+        say(f"all that an analysis without result said is in {kept}, in a file .log of its name")
     if failures:
         raise typer.Exit(INCOMPLETE)
+
+
+def _told(progress: Progress) -> Progress:
+    """Progress for those who watch, and a line an analysis for those who read a log."""
+    from rich.console import Console
+
+    watched = Console(stderr=True).is_terminal
+
+    def told(done: int, total: int, what: str) -> None:
+        progress(done, total, what)
+        if not watched:
+            say(
+                f"{done} of {total} analyses are finished; at work: {what}" if done < total else f"{total} are finished"
+            )
+
+    return told
 
 
 def _measurements(asked: Path | None, found: Analyses) -> _Measurements:
@@ -143,12 +167,12 @@ def _reported(found: Analyses, ends: list[ScriptEnd], reports: Path, out: Path, 
         data_sha256=measured.sha256,
     )
     write_validation_report(validation, out, command="flycontrol validate")
-    return [f"{finding.name} could not be run: {finding.failure}" for finding in validation.failed]
+    return [f"{finding.name} gave no result: {finding.failure}" for finding in validation.failed]
 
 
 def _finding(analysis: Analysis, end: ScriptEnd, reports: Path, out: Path, data: Path | None) -> Finding:
     """What an analysis states, or why it states nothing."""
-    from flycontrol.io.claims import read_claims
+    from flycontrol.io.claims import read_claims, refuse_misplaced_claims
     from flycontrol.report.validation import Finding
 
     folder, claims = reports / analysis.name, ()
@@ -157,6 +181,7 @@ def _finding(analysis: Analysis, end: ScriptEnd, reports: Path, out: Path, data:
     if not failure:
         try:
             claims = read_claims(folder / f"{analysis.name}.json") or ()
+            refuse_misplaced_claims(folder, analysis.name)
         except InvalidInputError as error:
             failure = str(error)
     return Finding(name=analysis.name, question=analysis.question, claims=claims, links=links, failure=failure)

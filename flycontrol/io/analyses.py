@@ -28,7 +28,7 @@ class Analysis:
     name: str
     question: str  #: first line of the file
     path: Path
-    sources: tuple[Path, ...]  #: the file and those beside it that it imports, directly or not
+    sources: tuple[Path, ...]  #: the file, those beside it that it imports, directly or not, and files of other kinds
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,7 +47,7 @@ def read_analyses(folder: Path) -> Analyses:
     Raises
     ------
     InvalidInputError
-        If there is no such folder, if it holds no analysis, one that is no Python, or settings with a fault.
+        If there is no such folder, if it holds no analysis, or settings with a fault.
     """
     if not folder.is_dir():
         raise InvalidInputError(
@@ -85,7 +85,7 @@ def _analysis(folder: Path, name: str) -> Analysis:
 
 
 def _sources(folder: Path, name: str) -> tuple[Path, ...]:
-    """The file and its neighbours that it imports: their change changes what it finds."""
+    """The file, its neighbours that it imports, and data beside it: their change changes what it finds."""
     found: list[Path] = []
     wanted = [name]
     while wanted:
@@ -93,7 +93,8 @@ def _sources(folder: Path, name: str) -> tuple[Path, ...]:
         if path.exists() and path not in found:
             found.append(path)
             wanted += _imported(path)
-    return tuple(sorted(found))
+    beside = [path for path in folder.iterdir() if path.is_file() and path.suffix not in (".py", ".toml")]
+    return tuple(sorted([*found, *(path for path in beside if not path.name.startswith("."))]))
 
 
 def _imported(path: Path) -> list[str]:
@@ -108,7 +109,8 @@ def _imported(path: Path) -> list[str]:
 
 
 def _parsed(path: Path) -> ast.Module:
+    """A file that is no Python is found out when it is run."""
     try:
         return ast.parse(read_text_file(path).text)
-    except SyntaxError as error:
-        raise InvalidInputError(f"{path}, line {error.lineno}: this is no Python ({error.msg}).") from error
+    except SyntaxError:
+        return ast.Module(body=[], type_ignores=[])

@@ -59,6 +59,20 @@ def read_claims(path: Path) -> tuple[Claim, ...] | None:
     return tuple(_claim(entry, f"{path.name}, claim {number}") for number, entry in enumerate(found["claims"], start=1))
 
 
+def refuse_misplaced_claims(folder: Path, name: str) -> None:
+    """Claims in a JSON file of another name than its analysis would be lost without a word.
+
+    Raises
+    ------
+    InvalidInputError
+        If there are some.
+    """
+    for path in sorted(folder.rglob("*.json")):
+        if path != folder / f"{name}.json" and read_claims(path) is not None:
+            place = path.relative_to(folder).as_posix()
+            raise InvalidInputError(f"{place} holds claims, which are read from {name}.json alone; write them there.")
+
+
 def _claim(entry: object, where: str) -> Claim:
     known = [field.name for field in fields(Claim)]
     if not isinstance(entry, dict) or not all(isinstance(value, str) for value in entry.values()):

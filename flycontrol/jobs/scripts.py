@@ -5,11 +5,8 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import json
-import os
+import math
 import shutil
-import signal
-import subprocess
-import sys
 import tempfile
 import time
 from collections import deque
@@ -21,11 +18,9 @@ from flycontrol.errors import InvalidParameterError
 from flycontrol.jobs.files import write_files_atomically
 from flycontrol.jobs.folder_lock import locked_folder
 from flycontrol.jobs.progress import Progress, no_progress
+from flycontrol.jobs.script_run import ScriptRun, started
 
 _PAUSE = 0.05  #: between two looks at the running ones [s]
-_ONE_THREAD = (
-    "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS", "NUMBA_NUM_THREADS",
-)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +42,7 @@ class ScriptEnd:
     """How a script ended."""
 
     name: str
-    failure: str  #: last line that it wrote on standard error; empty if it finished
+    failure: str  #: what it said last on standard error; empty if it finished
     seconds: float  #: wall time of the run that made the results [s]
     kept: bool = False  #: an earlier run had finished it
 
@@ -69,6 +64,15 @@ class Kept:
             return None
         return None
 
+    def stale(self, script: Script, results: Mapping[str, bytes]) -> list[Path]:
+        """Files of its last finished run, as that run left them, that this run has not written again."""
+        try:
+            before = json.loads(self._note(script).read_bytes())["results"]
+            old = {script.folder / name: found for name, found in before.items() if name not in results}
+        except (OSError, ValueError, KeyError, TypeError, AttributeError):
+            return []
+        return [path for path, found in old.items() if path.is_file() and _sha256(path) == found]
+
     def keep(self, script: Script, results: Mapping[str, bytes], seconds: float) -> None:
         """Remember that a script has finished, once its results lie in their folder."""
         note = {
@@ -77,6 +81,10 @@ class Kept:
             "results": {name: hashlib.sha256(data).hexdigest() for name, data in results.items()},
         }
         write_files_atomically(self.folder, {self._note(script).name: json.dumps(note, indent=1) + "\n"})
+
+    def log(self, name: str) -> Path:
+        """Where all that a failed script said on standard error is kept."""
+        return self.folder / f"{name}.log"
 
     def _note(self, script: Script) -> Path:
         return self.folder / f"{script.name}.json"
@@ -88,6 +96,7 @@ def run_scripts(
     *,
     at_once: int = 1,
     environment: Mapping[str, str] | None = None,
+    limit: float = math.inf,
     progress: Progress = no_progress,
 ) -> list[ScriptEnd]:
     """Run scripts, `at_once` processes at a time, in their order; each on one thread.
@@ -106,6 +115,8 @@ def run_scripts(
         Processes.
     environment
         Variables that the scripts see beside those of this process.
+    limit
+        Wall time after which a script is ended and has failed [s].
     progress
         Told the scripts done after every one.
 
@@ -130,13 +141,13 @@ def run_scripts(
         ends = {script.name: end for script in scripts if (end := shelf.find(script)) is not None}
         waiting = deque(script for script in scripts if script.name not in ends)
         progress(len(ends), len(scripts), _at_work(list(waiting)[:at_once]))
-        with _crew(shelf, environment or {}) as crew:
+        with _crew(_Crew(shelf, environment or {}, limit)) as crew:
             while waiting or crew.running:
                 while waiting and len(crew.running) < at_once:
                     crew.start(waiting.popleft())
                 for end in crew.ended():
                     ends[end.name] = end
-                    coming = [*(run.script for run in crew.running), *waiting]
+                    coming = [*(script for script, _ in crew.running), *waiting]
                     progress(len(ends), len(scripts), _at_work(coming[:at_once]))
                 time.sleep(_PAUSE)
     return [ends[script.name] for script in scripts]
@@ -147,99 +158,64 @@ def _at_work(scripts: Iterable[Script]) -> str:
 
 
 @dataclass(slots=True)
-class _Run:
-    """A script at work."""
-
-    script: Script
-    process: subprocess.Popen[bytes]
-    folder: Path  #: that it writes to
-    said: Path  #: its standard error
-    started: float = field(default_factory=time.perf_counter)
-
-    def hang_up(self) -> None:
-        """Close the pipe by which the script would see this process end."""
-        if self.process.stdin is not None:
-            self.process.stdin.close()
-
-    def failure(self) -> str:
-        """Last line of its standard error, or how else it ended; empty if it finished with results."""
-        status = self.process.returncode
-        if status == 0:
-            return "" if any(path.is_file() for path in self.folder.rglob("*")) else "it wrote no results"
-        if status < 0:
-            return f"it was killed by signal {-status}"
-        lines = [line.strip() for line in self.said.read_text(encoding="utf-8", errors="replace").splitlines()]
-        return next((line for line in reversed(lines) if line), f"it ended with status {status}")
-
-
-@dataclass(slots=True)
 class _Crew:
     """The scripts at work."""
 
     shelf: Kept
     environment: Mapping[str, str]
-    running: list[_Run] = field(default_factory=list[_Run])
+    limit: float  #: for each [s]
+    running: list[tuple[Script, ScriptRun]] = field(default_factory=list[tuple[Script, ScriptRun]])
 
     def start(self, script: Script) -> None:
-        """Start one, in a session of its own: Ctrl-C is ours to pass on."""
+        """Start one; it writes into a folder that is thrown away in the end."""
         own = Path(tempfile.mkdtemp(prefix=f".{script.name}.", suffix=".part", dir=self.shelf.folder))
-        folder, said = own / "results", own / "stderr"
-        folder.mkdir()
-        with said.open("wb") as errors:
-            process = subprocess.Popen(
-                [sys.executable, "-m", "flycontrol.jobs.script_process", str(script.path), str(folder)],
-                stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=errors,
-                env={**_surroundings(), **self.environment}, start_new_session=True,
-            )  # fmt: skip
-        self.running.append(_Run(script, process, folder, said))
+        self.running.append((script, started(script.path, own, self.environment)))
 
     def ended(self) -> list[ScriptEnd]:
         """Take those that have ended; the results of finished ones go to their folders."""
-        done = [run for run in self.running if run.process.poll() is not None]
-        return [self._take(run) for run in done]
+        for _, run in self.running:
+            run.end_if_longer_than(self.limit)
+        done = [(script, run) for script, run in self.running if run.has_ended()]
+        return [self._take(script, run) for script, run in done]
 
-    def _take(self, run: _Run) -> ScriptEnd:
-        seconds, failure = time.perf_counter() - run.started, run.failure()
-        if not failure:
-            results = {
-                path.relative_to(run.folder).as_posix(): path.read_bytes()
-                for path in sorted(run.folder.rglob("*"))
-                if path.is_file()
-            }
-            write_files_atomically(run.script.folder, results)
-            self.shelf.keep(run.script, results, seconds)
-        self.running.remove(run)
-        run.hang_up()
-        shutil.rmtree(run.folder.parent, ignore_errors=True)
-        return ScriptEnd(run.script.name, failure, seconds)
+    def _take(self, script: Script, run: ScriptRun) -> ScriptEnd:
+        failure = run.failure()
+        log = self.shelf.log(script.name)
+        if failure:
+            shutil.copyfile(run.said, log)
+        else:
+            self._hand_over(script, run)
+            log.unlink(missing_ok=True)
+        self.running.remove((script, run))
+        run.end()
+        shutil.rmtree(run.own, ignore_errors=True)
+        return ScriptEnd(script.name, failure, run.seconds)
+
+    def _hand_over(self, script: Script, run: ScriptRun) -> None:
+        results = {
+            path.relative_to(run.results).as_posix(): path.read_bytes()
+            for path in sorted(run.results.rglob("*"))
+            if path.is_file()
+        }
+        stale = self.shelf.stale(script, results)
+        write_files_atomically(script.folder, results)
+        for path in stale:
+            path.unlink(missing_ok=True)
+        self.shelf.keep(script, results, run.seconds)
 
     def stop(self) -> None:
-        """End all at once, in whatever they do, their own processes too."""
-        for run in self.running:
-            with contextlib.suppress(OSError):
-                if hasattr(os, "killpg"):
-                    os.killpg(run.process.pid, signal.SIGKILL)
-                else:
-                    run.process.kill()
-            run.process.wait()
-            run.hang_up()
-            shutil.rmtree(run.folder.parent, ignore_errors=True)
+        """End all at once."""
+        for _, run in self.running:
+            run.end()
+            shutil.rmtree(run.own, ignore_errors=True)
 
 
 @contextlib.contextmanager
-def _crew(shelf: Kept, environment: Mapping[str, str]) -> Generator[_Crew]:
-    crew = _Crew(shelf, environment)
+def _crew(crew: _Crew) -> Generator[_Crew]:
     try:
         yield crew
     finally:
         crew.stop()
-
-
-def _surroundings() -> dict[str, str]:
-    """Variables of this process, one thread a script, no screen, and this very package first on the path."""
-    here = str(Path(__file__).resolve().parents[2])
-    paths = os.pathsep.join([here, *filter(None, [os.environ.get("PYTHONPATH")])])
-    return {**os.environ, **dict.fromkeys(_ONE_THREAD, "1"), "MPLBACKEND": "Agg", "PYTHONPATH": paths}
 
 
 def _sha256(path: Path) -> str:

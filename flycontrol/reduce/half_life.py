@@ -100,11 +100,16 @@ def yaw_decay(
     Raises
     ------
     InvalidParameterError
-        The wings differ, or the rate does not halve within four wingbeats.
+        The wings differ, the freedom is not known, there is no phase, or the rate does not halve within four
+        wingbeats.
     """
     if kinematics.left != kinematics.right or fly.left != fly.right:
         raise InvalidParameterError(
             "A half-life of yaw needs a stroke and hinges that both wings share; symmetrise them first."
+        )
+    if freedom not in ("yaw", "all") or not len(phases):
+        raise InvalidParameterError(
+            f"yaw_decay needs the freedom 'yaw' or 'all' and at least one phase, got {freedom!r} and {phases!r}."
         )
     body = YAW_ONLY if freedom == "yaw" else FREE
     kicked = [_kicked(replace(fly, body=body), kinematics, start, rate, phase) for phase in phases]

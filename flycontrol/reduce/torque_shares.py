@@ -79,6 +79,7 @@ def shares_of_mean(torques: FloatArray, block: int = BLOCK, draws: int = DRAWS, 
     draws : of the bootstrap
     seed : of the bootstrap
     """
+    _refuse_gaps(torques)
     n = len(torques)
     picks = _picks(n, block, draws, np.random.default_rng(seed))
     mean = torques.mean(axis=0)
@@ -102,6 +103,8 @@ def shares_of_slope(
     draws : of the bootstrap
     seed : of the bootstrap
     """
+    for values in (*torques, *required):
+        _refuse_gaps(values)
     rng = np.random.default_rng(seed)
     picks = [_picks(len(r), block, draws, rng) for r in required]
     drawn = [_sums(N[i], R[i]) for N, R, i in zip(torques, required, picks, strict=True)]
@@ -172,6 +175,14 @@ def _by_angle(
 def _interval(value: FloatArray, draws: FloatArray) -> Interval:
     low, high = np.quantile(draws, [0.025, 0.975])
     return Interval(value=float(value), low=float(low), high=float(high))
+
+
+def _refuse_gaps(torques: FloatArray) -> None:
+    if not np.all(np.isfinite(torques)):
+        raise InvalidInputError(
+            f"Torques by wingbeat must be finite, got {np.count_nonzero(~np.isfinite(torques))} that are not; leave "
+            "out the wingbeats without them."
+        )
 
 
 def _picks(n: int, block: int, draws: int, rng: np.random.Generator) -> NDArray[np.intp]:

@@ -113,5 +113,5 @@ def summary(validation: Validation) -> str:
         sentence += f" {counted(count['shown here'], 'more goes', 'more go')} beyond the review."
     if validation.failed:
         names = ", ".join(finding.name for finding in validation.failed)
-        sentence += f" {len(validation.failed)} of {len(validation.findings)} analyses could not be run: {names}."
+        sentence += f" {len(validation.failed)} of {len(validation.findings)} analyses gave no result: {names}."
     return sentence

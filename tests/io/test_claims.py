@@ -72,7 +72,6 @@ def test_a_folder_of_analyses_is_read_with_questions_neighbours_and_order(tmp_pa
     ("files", "sentence"),
     [
         ({}, "holds no analysis"),
-        ({"a.py": "def"}, "a.py, line 1: this is no Python"),
         ({"a.py": "1", "validation.toml": 'first = ["b"]'}, "names b, but .* holds no b.py"),
         ({"a.py": "1", "validation.toml": 'last = ["a"]'}, "last is not a key known here"),
         ({"a.py": "1", "validation.toml": "first = [1]"}, "first.0 is 1"),

@@ -46,7 +46,8 @@ def test_a_finished_script_is_not_run_again_and_a_failing_one_is(make, tmp_path)
     assert ends[0].kept
     assert (good.folder / "good.txt").read_text() == "1"  # one thread
     assert not bad.folder.exists()  # nothing half-written
-    assert [path.name for path in (tmp_path / "kept").iterdir()] == ["good.json"]
+    assert sorted(path.name for path in (tmp_path / "kept").iterdir()) == ["bad.log", "good.json"]
+    assert (tmp_path / "kept" / "bad.log").read_text().startswith("first\nTraceback")
 
 
 @pytest.mark.parametrize("change", ["identity", "result", "note"])

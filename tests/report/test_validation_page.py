@@ -53,7 +53,7 @@ def test_the_page_is_well_formed_and_every_row_leads_to_its_analysis(validation)
 def test_what_fails_and_what_could_not_be_run_stands_there_too(validation):
     page = validation_page(validation, ORIGIN)
     assert "<b>fails</b>: by <em>far</em>" in page
-    assert "<b>could not be run:</b> no &lt;data&gt;" in page
+    assert "<b>no result:</b> no &lt;data&gt;" in page
     assert "d long (ten minutes)" in page
     assert "&lt;wings&gt; paddle" in page
 
@@ -61,7 +61,7 @@ def test_what_fails_and_what_could_not_be_run_stands_there_too(validation):
 def test_the_summary_counts_every_claim_once(validation):
     assert tally(validation.rows) == {"agrees": 2, "roughly": 1, "fails": 1, "cannot be told": 0, "shown here": 1}
     assert summary(validation).startswith("Of 4 claims")
-    assert summary(validation).endswith("1 of 3 analyses could not be run: c_lost.")
+    assert summary(validation).endswith("1 of 3 analyses gave no result: c_lost.")
     assert sum(len(rows) for rows in validation.by_section().values()) == len(validation.rows)
 
 

@@ -129,8 +129,21 @@ class FitProblem:
 
 def standard_model(trials: Sequence[Trial]) -> GainModel:
     """PD on the yaw angle, gains, delay and damping unknown; the paddling gain too where paddling was measured."""
+    _refuse_others(trials)
     measured = any(trial.paddling is not None for trial in trials)
     return gain_model("PD", estimate=["paddling_gain"] if measured else [])
+
+
+def _refuse_others(trials: Sequence[Trial]) -> None:
+    if not trials:
+        raise InvalidInputError("A fit needs at least one trial, got none.")
+    other = next((trial for trial in trials if not isinstance(trial, Trial)), None)
+    if other is not None:
+        raise InvalidInputError(
+            f"A fit takes Trials, which say what perturbed the fly, got a {type(other).__name__}; read files by "
+            "flycontrol.io.trials.read_trials, or make one of a Recording by "
+            "flycontrol.model.recorded_trial.trial_of_recording."
+        )
 
 
 def fit_problem(trials: Sequence[Trial], model: GainModel) -> FitProblem:
@@ -139,10 +152,10 @@ def fit_problem(trials: Sequence[Trial], model: GainModel) -> FitProblem:
     Raises
     ------
     InvalidInputError
-        If there is no trial, two have one name, or paddling was not measured where its gain is asked for.
+        If there is no trial or something else, two have one name, or paddling was not measured where its gain is
+        asked for.
     """
-    if not trials:
-        raise InvalidInputError("A fit needs at least one trial, got none.")
+    _refuse_others(trials)
     names = [trial.name for trial in trials]
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
