@@ -116,7 +116,7 @@ def controlled_flight(  # noqa: PLR0913 (simulate_flight's arguments and a contr
         No wingbeat, a delay below one step, pitch joints that take no command, or a step too coarse.
     """
     if not (wingbeats >= 1 and int(wingbeats) == wingbeats):
-        raise InvalidParameterError(f"A flight takes a whole number of wingbeats, at least one, got {wingbeats!r}.")
+        raise InvalidParameterError(f"A flight needs at least one wingbeat, and whole ones, got {wingbeats!r}.")
     _refuse_deaf_hinges(fly)
     loop = _ClosedLoop(fly, stroke, feedback, tuple(pulses), settings or MarchSettings(), int(wingbeats))
     return loop.flown(packed(start or level_start(stroke)))
