@@ -1,0 +1,239 @@
+import io
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from outline import Outline
+from PIL import Image
+from scipy.ndimage import binary_dilation, binary_erosion
+from texts import overlapping_texts, texts_outside, unlabelled
+from tracked_flights import FREQUENCY, RATE, cameras_around, motion, tracked_flight
+
+from flycontrol.model.distortion import Distortion
+from flycontrol.model.pose import Pose
+from flycontrol.report.figures.track_coordinates import BASES, BODY, WINGS, coordinates_over_time
+from flycontrol.report.figures.track_hull import hull_from_two_sides
+from flycontrol.report.figures.track_overlay import frame_overlay
+from flycontrol.report.figures.track_quality import agreement_over_time, uncertainty_over_time
+from flycontrol.report.figures.track_rates import body_rates
+from flycontrol.report.track_animation import HEAVIEST, gif
+from flycontrol.report.track_beats import piece_shown_closely, stroke_reversals
+from flycontrol.report.track_chosen import best_frame, chosen_frames, worst_frame
+from flycontrol.report.track_curves import curves, true_rates
+from flycontrol.report.track_page import write_track_report
+from flycontrol.report.track_second_look import second_look
+from flycontrol.report.track_spans import spans, tally
+from flycontrol.report.track_truth import coordinate_errors
+from flycontrol.report.track_views import Window, part_masks, seen_in
+from flycontrol.report.track_words import median_overlap, status_rows
+from flycontrol.units import deg
+from flycontrol.vision.render import render_silhouettes
+
+MIXED = ("tracked", "tracked", "bridged", "bridged", "tracked", "partial", "lost", "lost")
+
+
+@pytest.fixture(scope="module")
+def mixed():
+    return tracked_flight(8, status=MIXED)
+
+
+@pytest.fixture(scope="module")
+def looked(mixed):
+    flight, footage = mixed
+    return second_look(flight, footage, stroke_reversals(flight))
+
+
+def page_of(folder, flight, footage, **beside):
+    write_track_report(flight, footage, folder, beside, command="flycontrol track")
+    return (folder / "index.html").read_text()
+
+
+def well_formed(text):
+    outline = Outline(text)
+    assert not outline.errors
+    assert not outline.open
+    assert len(outline.ids) == len(set(outline.ids))
+    assert not re.search(r"\b(nan|inf|None)\b", outline.text)
+    return outline
+
+
+def test_every_frame_is_counted_in_some_status(mixed):
+    flight, _ = mixed
+    assert sum(tally(flight.track).values()) == len(flight.track)
+    assert sum(len(span) for span in spans(flight.track)) == len(flight.track)
+    *each, total = [int(row.values[0]) for row in status_rows(flight)]
+    assert sum(each) == total == len(flight.track)
+
+
+def test_the_page_tells_the_flights_numbers(tmp_path, mixed):
+    flight, footage = mixed
+    outline = well_formed(page_of(tmp_path, flight, footage, **{"result.json": "{}"}))
+    assert "3 of 8 frames are tracked" in outline.text
+    assert "1 partial, 2 bridged and 2 lost" in outline.text
+    assert f"{100 * median_overlap(flight):.1f}" in outline.text
+    assert f"{flight.check.residual:.2f}" in outline.text
+    for camera in flight.cameras:
+        assert camera.name in outline.text
+    for error in coordinate_errors(flight, flight.truth):
+        assert error.name in outline.text
+    assert "2–3" in outline.text
+    assert "the silhouette is empty" in outline.text
+    assert "result.json" in outline.text
+
+
+def test_every_figure_is_numbered_in_the_order_of_the_page_and_is_read_aloud(tmp_path, mixed):
+    text = page_of(tmp_path, *mixed)
+    numbers = [int(number) for number in re.findall(r"<b>Figure (\d+)\.", text)]
+    assert numbers == list(range(1, len(numbers) + 1))
+    tables = [int(number) for number in re.findall(r"Table (\d+)\.", text)]
+    assert tables == list(range(1, len(tables) + 1))
+    drawings = re.findall(r"<svg [^>]*>", text)
+    assert len(drawings) == len(numbers)
+    assert all('role="img"' in drawing and re.search(r'aria-label="[^"]+"', drawing) for drawing in drawings)
+    assert all(re.search(r'alt="[^"]+"', image) for image in re.findall(r"<img [^>]*>", text))
+
+
+def test_the_page_loads_nothing_from_elsewhere(tmp_path, mixed):
+    text = page_of(tmp_path, *mixed)
+    assert not re.search(r"https?://|<script|<link", text)
+    assert set(re.findall(r'src="([^"]+)"', text)) == {"overlay.gif"}
+
+
+def test_the_same_flight_gives_the_same_bytes(tmp_path, mixed):
+    for name in ("one", "two"):
+        page_of(tmp_path / name, *mixed)
+    for file in ("index.html", "overlay.gif"):
+        assert (tmp_path / "one" / file).read_bytes() == (tmp_path / "two" / file).read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("frames", "options"),
+    [
+        (1, {}),
+        (1, {"status": ("bridged",)}),
+        (3, {"status": ("lost",) * 3}),
+        (3, {"status": ("lost",) * 3, "truth": False, "grey": True}),
+        (4, {"truth": False, "cameras": 2}),
+        (4, {"cameras": 5, "grey": True}),
+        (6, {"damaged": (0, 2, 5), "status": ("tracked", "tracked", "bridged", "tracked", "tracked", "lost")}),
+    ],
+)
+def test_any_flight_gives_a_page(tmp_path, frames, options):
+    flight, footage = tracked_flight(frames, **options)
+    outline = well_formed(page_of(tmp_path, flight, footage))
+    tracked = options.get("status", ("tracked",) * frames).count("tracked")
+    assert f"{tracked} of {frames} frame" in outline.text
+    assert ("Against the truth" in outline.text) == (tracked > 0 and options.get("truth", True))
+    assert (tmp_path / "overlay.gif").exists() == (frames > 1)
+
+
+def test_figures_have_units_and_no_text_overlaps(mixed, looked):
+    flight, _ = mixed
+    found, drawn = spans(flight.track), curves(flight)
+    figures = [
+        *(coordinates_over_time(drawn, panels, ("one", "other"), found) for panels in (BODY, WINGS, BASES)),
+        body_rates(flight, found),
+        agreement_over_time(flight, looked.survey, found),
+        uncertainty_over_time(flight, found),
+        *(hull_from_two_sides(hull) for hull in looked.hulls),
+    ]
+    assert len(looked.hulls) == 2
+    for figure in figures:
+        assert not unlabelled(figure)
+        assert not texts_outside(figure)
+        assert not overlapping_texts(figure)
+    for _, overlay in looked.overlays:
+        assert not texts_outside(frame_overlay(overlay))
+
+
+def test_frames_looked_at_are_those_of_their_rules(mixed):
+    flight, _ = mixed
+    chosen = {rule: each.frame for each in chosen_frames(flight, stroke_reversals(flight)) for rule in each.rules}
+    overlap = np.where(flight.track.believed, flight.track.overlap.mean(axis=1), np.nan)
+    assert best_frame(flight) == np.nanargmax(overlap)
+    assert worst_frame(flight) == np.nanargmin(overlap)
+    assert chosen["the first in which the fly was seen"] == 0
+    assert chosen["the middle of the longest bridge"] in (2, 3)
+    assert chosen["the middle of the longest loss"] in (6, 7)
+    assert chosen["the first that is partial"] == 5
+
+
+def test_a_heading_goes_on_through_half_a_turn():
+    flight, _ = tracked_flight(60)
+    drawn = curves(flight)
+    wrapped = (flight.track.pose.yaw + np.pi) % (2 * np.pi) - np.pi
+    assert np.ptp(wrapped) > np.pi
+    for curve in (drawn.smooth, drawn.raw, drawn.truth):
+        assert np.max(np.abs(np.diff(curve[:, 3]))) < 1.0
+    assert drawn.smooth[:, 3] - drawn.truth[:, 3] == pytest.approx(np.full(60, 0.1), abs=1e-9)
+
+
+def test_errors_against_the_truth_are_those_that_were_made(mixed):
+    flight, _ = mixed
+    for error in coordinate_errors(flight, flight.truth):
+        assert error.raw == pytest.approx(0.1 if error.unit == "deg" else 0.0, abs=1e-12)
+        assert error.in_band == 1.0  # 0.1 deg within 1.96 times a quarter
+
+
+def test_true_rates_are_those_of_a_steady_turn():
+    time = np.arange(9) / RATE
+    X = np.zeros((9, 18))
+    X[:, 0], X[:, 3] = 0.2 * time, 30.0 * time
+    velocity, turning = true_rates(Pose(coordinates=X, stroke_plane_angle=0.0), time)
+    assert velocity == pytest.approx(np.tile([0.2, 0, 0], (9, 1)), abs=1e-12)
+    assert turning[1:-1] == pytest.approx(np.tile([0, 0, 30.0], (7, 1)), abs=1e-9)
+
+
+def test_the_wingbeat_frequency_is_told_where_a_wingbeat_was_seen():
+    flight, _ = tracked_flight(60)  # three wingbeats
+    assert stroke_reversals(flight).frequency == pytest.approx(FREQUENCY, rel=0.01)
+    short, _ = tracked_flight(12)
+    assert stroke_reversals(short).frequency is None
+
+
+def test_the_piece_shown_closely_is_where_the_heading_changes_most():
+    time, pose = motion(400)
+    X = pose.coordinates.copy()
+    X[:, 3] = 60 * deg / (1 + np.exp(-(time - time[300]) / 2e-3))
+    flight, _ = tracked_flight(4)
+    smoothed = replace(flight.smoothed, pose=Pose(coordinates=X, stroke_plane_angle=pose.stroke_plane_angle))
+    flight = replace(flight, time=time, smoothed=smoothed)
+    first, last = piece_shown_closely(flight, stroke_reversals(flight))
+    assert last - first == pytest.approx(4 * RATE / FREQUENCY, abs=2)
+    assert (first + last) / 2 == pytest.approx(300, abs=2)
+
+
+def test_the_drawn_fly_is_the_silhouette_pixel_by_pixel():
+    flight, _ = tracked_flight(1)
+    camera = flight.cameras[0]
+    (whole,) = next(iter(render_silhouettes(flight.fly.shape, flight.truth, [camera])))
+    window = Window(20, 30, 100, 90)
+    masks = part_masks(flight.fly.shape, flight.truth, camera, window, 1.0)
+    assert np.array_equal(np.any(list(masks.values()), axis=0), whole[30:120, 20:120])
+
+
+def test_what_is_drawn_goes_through_the_lens_as_the_image_does():
+    camera = cameras_around(1)[0]
+    lens = Distortion(centre=(20.0, 20.0), focal=(100.0, 100.0), radial=(0.1, 0.0, 0.0))
+    bent = replace(camera, distortion=lens)
+    flight, _ = tracked_flight(1)
+    window = Window(0, 0, 160, 160)
+    through = np.any(list(part_masks(flight.fly.shape, flight.truth, bent, window, 1.0).values()), axis=0)
+    (image,) = next(iter(render_silhouettes(flight.fly.shape, flight.truth, [bent])))
+    plain = seen_in(
+        camera, window, 1.0, lambda at: next(iter(render_silhouettes(flight.fly.shape, flight.truth, [at])))[0]
+    )
+    assert np.count_nonzero(plain ^ image) > 100
+    assert not np.any(
+        through & ~binary_dilation(image, np.ones((3, 3)))
+    )  # both take pixels' centres: borders differ by one at most
+    assert not np.any(binary_erosion(image, np.ones((3, 3))) & ~through)
+
+
+def test_an_animation_stays_light_whatever_was_filmed(mixed):
+    rng = np.random.default_rng(1)
+    noise = [Image.fromarray(rng.integers(0, 255, (330, 864, 3), dtype=np.uint8)) for _ in range(12)]
+    made = gif(noise)
+    assert len(made) <= HEAVIEST
+    assert 1 < Image.open(io.BytesIO(made)).n_frames < 12
