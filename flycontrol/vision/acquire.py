@@ -18,6 +18,7 @@ from flycontrol.vision.hull import VisualHull
 from flycontrol.vision.silhouette_fit import Leash, SilhouetteFit, fit_silhouettes, silhouette_cost
 from flycontrol.vision.soft_silhouette import BorderDistance
 from flycontrol.vision.stance import Stance, stances_of, step_between
+from flycontrol.vision.wing_grid import wing_grid
 
 FloatArray = NDArray[np.float64]
 
@@ -27,8 +28,6 @@ _KEPT = 12  #: of the guesses, fitted
 _APART = 25 * deg  #: guesses nearer than that in all turns are one
 #: The search looks for a fly upright to this extent, whose wings are about mirror images of one another.
 _ROLLS = np.arange(-60, 61, 20) * deg
-_STROKES, _DEVIATIONS = np.array([-75, -50, -25, 0, 25, 50, 70]) * deg, np.array([-20, 5, 30]) * deg
-_PITCHES = np.array([40, 90, 140]) * deg
 #: Seen at the first instant, nothing is expected yet.
 _FREE = Leash(body=180 * deg, wing=180 * deg)
 
@@ -84,10 +83,7 @@ def _core(hull: VisualHull) -> FloatArray:
 
 
 def _with_wings(bodies: Sequence[Stance], shape: FitShape, stroke_plane_angle: float) -> Iterator[Stance]:
-    angles = np.array(list(product(_STROKES, _DEVIATIONS, _PITCHES)))
-    X = np.hstack([np.zeros((len(angles), 6)), angles, angles, np.tile(shape.bases_B.ravel(), (len(angles), 1))])
-    pairs = [stance.wings_B for stance in stances_of(Pose(coordinates=X, stroke_plane_angle=stroke_plane_angle))]
-    for body, wings in product(bodies, pairs):
+    for body, wings in product(bodies, list(wing_grid(shape, stroke_plane_angle))):
         yield replace(body, wings_B=wings)
 
 

@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from flycontrol.errors import InvalidInputError
 from flycontrol.model.camera import Camera
-from flycontrol.units import deg
 from flycontrol.vision.acquire import acquire
+from flycontrol.vision.belief import NO_DOUBTS, Judged, judged
 from flycontrol.vision.first_pose import MARGIN, Masks, fine_hull
 from flycontrol.vision.fit_shape import FitShape, fit_shape
 from flycontrol.vision.fly_shape import FlyShape
 from flycontrol.vision.hull_stance import stance_of_hull
-from flycontrol.vision.prediction import drifted, expectations, tempered
-from flycontrol.vision.silhouette_fit import Agreement, SilhouetteFit, agreement, fit_silhouettes, silhouette_cost
+from flycontrol.vision.prediction import drifted, expectations, tempered, unseen_wing
+from flycontrol.vision.second_look import SecondLook, with_wing
+from flycontrol.vision.silhouette_fit import Agreement, SilhouetteFit, agreement, silhouette_cost
 from flycontrol.vision.soft_silhouette import BorderDistance, border_distance
 from flycontrol.vision.stance import MOVE, Stance
 from flycontrol.vision.tracked_frame import TrackedFrame
@@ -30,7 +30,6 @@ FloatArray = NDArray[np.float64]
 _MEMORY = 40  #: frames whose costs tell what is usual: about a wingbeat at 8,000 frames a second
 _STRANGE, _WRONG = 1.5, 2.5  #: times the usual cost: look again; do not believe (C)
 _LEAST_PRECISION = 0.7  #: of the fly's pixels on each silhouette (C)
-_TWIST = 55 * deg  #: by which a wing is turned about its span when it is looked for again
 _LONGEST_BRIDGE = 40  #: frames
 _PATIENCE = 10  #: frames from one search for a lost fly to the next
 _BIAS = 0.2  #: of positions, by legs and the like [px] (C)
@@ -54,6 +53,7 @@ class Follower:
     start: SilhouetteFit | None
     past: deque[Stance] = field(default_factory=lambda: deque(maxlen=3))
     costs: deque[float] = field(default_factory=lambda: deque(maxlen=_MEMORY))
+    missed_before: deque[FloatArray] = field(default_factory=lambda: deque(maxlen=_MEMORY))
     covariance: FloatArray = field(default_factory=lambda: np.zeros((18, 18)))
     unseen: int = 0  #: frames since the fly was last seen
 
@@ -73,9 +73,9 @@ class Follower:
         found = self._refined(masks, border, shape) if self.refine else self._read(masks, border, shape)
         if found is None:
             return self._bridged("the silhouettes contradict one another: their hull is not a whole fly", None)
-        seen = found.agreement
-        if seen.cost > _WRONG * self._usual(seen.cost) or np.min(seen.precision) < _LEAST_PRECISION:
-            return self._bridged("no stance near the expected one fits these silhouettes", seen)
+        seen = found.fit.agreement
+        if found.doubts[0] or seen.cost > _WRONG * self._usual(seen.cost) or np.min(seen.precision) < _LEAST_PRECISION:
+            return self._bridged(found.doubts[0] or "no stance near the expected one fits these silhouettes", seen)
         return self._believed(found, masks)
 
     def missed(self, reason: str) -> TrackedFrame:
@@ -85,19 +85,34 @@ class Follower:
     def _usual(self, otherwise: float) -> float:
         return float(np.median(self.costs)) if self.costs else otherwise
 
-    def _refined(self, masks: Masks, border: BorderDistance, shape: FitShape) -> SilhouetteFit:
-        expected = _likeliest(expectations(list(self.past), shape.bases_B), border, shape)
-        best = fit_silhouettes(border, shape, expected, expected=expected)
-        if best.agreement.cost < _STRANGE * self._usual(best.agreement.cost):
-            return best
-        starts = list(_twisted(best.stance))
-        hull = fine_hull(masks, self.cameras, shape)
-        if len(hull):
-            starts.append(stance_of_hull(hull, expected, self.fly.shape, self.fly.stroke_plane_angle).stance)
-        fits = [best, *(fit_silhouettes(border, shape, start, expected=expected) for start in starts)]
-        return min(fits, key=lambda fit: fit.agreement.cost)
+    def _usually_missed(self) -> FloatArray | None:
+        return np.median(np.array(self.missed_before), axis=0) if self.missed_before else None
 
-    def _read(self, masks: Masks, border: BorderDistance, shape: FitShape) -> SilhouetteFit | None:
+    def _refined(self, masks: Masks, border: BorderDistance, shape: FitShape) -> Judged:
+        expected = _likeliest(expectations(list(self.past), shape.bases_B), border, shape)
+        look = SecondLook(border=border, shape=shape, stroke_plane_angle=self.fly.stroke_plane_angle, expected=expected)
+        best = self._best([look.near(expected)], border, shape)
+        if self._strange(best):
+            others = [*look.twisted(best.fit.stance)]
+            hull = fine_hull(masks, self.cameras, shape)
+            if len(hull):
+                read = stance_of_hull(hull, expected, self.fly.shape, self.fly.stroke_plane_angle)
+                others.append(look.near(read.stance))
+            best = self._best([best.fit, *others], border, shape)
+        for side in (0, 1):
+            if best.doubts[side + 1]:
+                best = self._best([best.fit, *look.elsewhere(best.fit.stance, side)], border, shape)
+        return best
+
+    def _best(self, fits: Sequence[SilhouetteFit], border: BorderDistance, shape: FitShape) -> Judged:
+        usual = self._usually_missed()
+        return min((judged(fit, border, shape, usual) for fit in fits), key=lambda each: each.rank)
+
+    def _strange(self, found: Judged) -> bool:
+        cost = found.fit.agreement.cost
+        return bool(found.doubts[0]) or cost >= _STRANGE * self._usual(np.inf if not self.costs else cost)
+
+    def _read(self, masks: Masks, border: BorderDistance, shape: FitShape) -> Judged | None:
         expected = self._expected(shape)
         hull = fine_hull(masks, self.cameras, shape)
         if not len(hull):
@@ -106,23 +121,44 @@ class Follower:
         if not read.dissection.complete:
             return None
         seen = agreement(border, shape, read.stance)
-        return SilhouetteFit(
+        fit = SilhouetteFit(
             stance=read.stance, covariance=read.covariance, agreement=seen, converged=True, iterations=0
         )
+        return Judged(fit=fit, doubts=NO_DOUBTS, missed=np.zeros(len(self.cameras)))
 
-    def _believed(self, found: SilhouetteFit, masks: Masks) -> TrackedFrame:
-        bases = fit_shape(self.fly.shape).bases_B
-        self.past.append(found.stance if self.refine else tempered(self.past[-1], found.stance, bases))
-        self.costs.append(found.agreement.cost)
-        self.unseen, self.covariance = 0, self._with_bias(found)
+    def _believed(self, found: Judged, masks: Masks) -> TrackedFrame:
+        shape = fit_shape(self.fly.shape)
+        fit = self._without_doubted(found, shape)
+        self.past.append(fit.stance if self.refine else tempered(self.past[-1], fit.stance, shape.bases_B))
+        if not any(found.doubts):
+            self.costs.append(fit.agreement.cost)
+            self.missed_before.append(found.missed)
+        self.unseen, self.covariance = 0, self._with_bias(fit)
         cut = [camera.name for camera, mask in zip(self.cameras, masks, strict=True) if _touches_edge(mask)]
+        reasons = [doubt for doubt in found.doubts if doubt]
+        if cut:
+            reasons.append(f"the silhouette reaches the border of the image of {', '.join(cut)}")
         return TrackedFrame(
-            stance=found.stance,
+            stance=fit.stance,
             covariance=self.covariance,
-            status="partial" if cut else "tracked",
-            reason=f"the silhouette reaches the border of the image of {', '.join(cut)}" if cut else "",
-            agreement=found.agreement,
+            status="partial" if reasons else "tracked",
+            reason="; ".join(reasons),
+            agreement=fit.agreement,
+            doubts=found.doubts,
         )
+
+    def _without_doubted(self, found: Judged, shape: FitShape) -> SilhouetteFit:
+        """The fit with doubted wings where they are expected."""
+        fit = found.fit
+        for side in (0, 1):
+            if found.doubts[side + 1]:
+                expected = self._expected(shape)
+                fit = replace(
+                    fit,
+                    stance=with_wing(fit.stance, side, expected.wings_B[side]),
+                    covariance=unseen_wing(fit.covariance, self.covariance, side),
+                )
+        return fit
 
     def _with_bias(self, found: SilhouetteFit) -> FloatArray:
         covariance = found.covariance.copy()
@@ -159,16 +195,6 @@ def _likeliest(stances: list[Stance], border: BorderDistance, shape: FitShape) -
     if len(stances) == 1:
         return stances[0]
     return min(stances, key=lambda stance: silhouette_cost(border, shape, stance, 2.5))
-
-
-def _twisted(stance: Stance) -> Iterator[Stance]:
-    """The stance with one wing turned about its span, one way and the other."""
-    for side in (0, 1):
-        for sign in (1.0, -1.0):
-            turn = Rotation.from_rotvec(sign * _TWIST * stance.wings_B[side][:, 0]).as_matrix()
-            wings = stance.wings_B.copy()
-            wings[side] = turn @ wings[side]
-            yield replace(stance, wings_B=wings)
 
 
 def _touches_edge(mask: BoolArray) -> bool:

@@ -49,6 +49,16 @@ def drifted(covariance: FloatArray) -> FloatArray:
     return covariance + np.diag(spread**2)
 
 
+def unseen_wing(covariance: FloatArray, before: FloatArray, side: int) -> FloatArray:
+    """The covariance of steps (18, 18) with a wing known only from what was known of it before, one frame on."""
+    grown = drifted(before)
+    columns = np.r_[WING_TURN[side], BASE_MOVE[side]]
+    found = covariance.copy()
+    found[columns, :], found[:, columns] = 0.0, 0.0
+    found[np.ix_(columns, columns)] = grown[np.ix_(columns, columns)]
+    return found
+
+
 def tempered(seed: Stance, read: Stance, bases_B: FloatArray) -> Stance:
     """The stance read off a hull, its roll only a fifth of the way from the seed's: wing bases are read roughly."""
     step = step_between(seed, read)

@@ -87,7 +87,7 @@ class _Problem:
         stride = max(int(self.softness), 1)  # a soft border is smooth enough to be looked at less often
         cost = compare(
             np.stack([camera.matrix for camera in self.border.cameras]), self.target,
-            self.border.corner, self.border.extent, self.softness, stride, _LENIENCE,
+            self.border.corner, self.border.extent, self.border.image, self.softness, stride, _LENIENCE,
             stance.position_W, np.ascontiguousarray(stance.body_axes_W), np.ascontiguousarray(stance.wings_B),
             np.ascontiguousarray(stance.bases_B), self.shape.spheres, self.shape.outline, self.shape.half_thickness,
             H, g, tally,

@@ -24,6 +24,11 @@ class BorderDistance:
     corner: FloatArray  #: (C, 2) u, v of each crop's first pixel
     extent: NDArray[np.int64]  #: (C, 2) columns and rows of each crop
 
+    @property
+    def image(self) -> FloatArray:
+        """(C, 2) columns and rows of the images."""
+        return np.array([camera.shape[::-1] for camera in self.cameras], dtype=np.float64)
+
     def softened(self, softness: float) -> FloatArray:
         """1 / (1 + exp(D / s)), (C, V, U), of a softness s [px]."""
         return np.asarray(expit(-self.distance / softness))

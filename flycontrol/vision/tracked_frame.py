@@ -10,12 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flycontrol.model.pose import Pose
+from flycontrol.vision.belief import NO_DOUBTS, Doubts
 from flycontrol.vision.silhouette_fit import Agreement
 from flycontrol.vision.stance import Stance, coordinate_covariance, pose_of
 
 FloatArray = NDArray[np.float64]
-#: tracked: seen and believed; partial: seen, but a silhouette reaches the border of its image, or another animal is in
-#: view; bridged: not believed, expected from the frames before; lost: bridged for too long, no coordinates.
+#: tracked: all parts seen and believed; partial: the body is, but a wing is not, or a silhouette reaches the border of
+#: its image, or another animal is in view; bridged: not believed, expected from the frames before; lost: bridged for
+#: too long, no coordinates.
 Status = Literal["tracked", "partial", "bridged", "lost"]
 STATUSES: tuple[Status, ...] = get_args(Status)
 
@@ -29,6 +31,7 @@ class TrackedFrame:
     status: Status
     reason: str  #: why it is not tracked, or empty
     agreement: Agreement | None  #: None where nothing could be compared
+    doubts: Doubts = NO_DOUBTS  #: why body, left, right wing are not believed; such a wing is expected, not seen
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -41,6 +44,7 @@ class Track:
     reasons: tuple[str, ...]
     overlap: FloatArray  #: (N, C) intersection over union of fly and silhouette; NaN where not compared
     precision: FloatArray  #: (N, C) share of the fly's pixels that lie on the silhouette
+    doubts: tuple[Doubts, ...] = ()  #: N times why body, left, right wing are not believed; empty if nobody asked
 
     def __len__(self) -> int:
         return len(self.status)
@@ -53,12 +57,13 @@ class Track:
 
 def gathered(frames: Iterable[TrackedFrame], stroke_plane_angle: float, cameras: int) -> Track:
     """The frames of a tracker as arrays; v_S = Ry(stroke_plane_angle) v_B [rad]."""
-    X, spread, status, reasons, views = [], [], [], [], []
+    X, spread, status, reasons, views, doubts = [], [], [], [], [], []
     for frame in frames:
         X.append(_row(frame, stroke_plane_angle))
         spread.append(_spread(frame, stroke_plane_angle))
         status.append(frame.status)
         reasons.append(frame.reason)
+        doubts.append(tuple(frame.doubts))
         seen = frame.agreement
         views.append(np.full((2, cameras), np.nan) if seen is None else np.stack([seen.overlap, seen.precision]))
     both = np.array(views).reshape(-1, 2, cameras)
@@ -69,6 +74,7 @@ def gathered(frames: Iterable[TrackedFrame], stroke_plane_angle: float, cameras:
         reasons=tuple(reasons),
         overlap=both[:, 0],
         precision=both[:, 1],
+        doubts=tuple(doubts),
     )
 
 

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from filmed_flights import BARE, CAMERAS, SCALE, STROKE_PLANE, apart, drawn, turning_flight
+from filmed_flights import BARE, CAMERAS, SCALE, STROKE_PLANE, WITH_LEGS, apart, drawn, turning_flight
 
 from flycontrol.errors import InvalidInputError
 from flycontrol.model.pose import Pose
@@ -8,6 +8,7 @@ from flycontrol.units import deg
 from flycontrol.vision.first_pose import first_pose
 from flycontrol.vision.fit_shape import fit_shape
 from flycontrol.vision.follower import Fly, Follower
+from flycontrol.vision.render import render_silhouettes
 from flycontrol.vision.silhouette_fit import Agreement, SilhouetteFit
 from flycontrol.vision.size_fit import Sizes, fitted_sizes, resized
 from flycontrol.vision.soft_silhouette import border_distance
@@ -72,6 +73,32 @@ def test_a_frame_of_another_animal_is_not_believed(short):
     found = followed(broken, pose)
     assert found.status[6] == "bridged"
     assert found.status[-1] == "tracked"
+
+
+def test_a_wing_that_is_not_there_is_not_claimed_to_be_seen(short):
+    pose, frames = short
+    broken = list(frames)
+    broken[6] = next(iter(render_silhouettes(WITH_LEGS, pose[6], CAMERAS, parts=["body", "left", "legs"])))
+    found = followed(broken, pose)
+    assert found.status == ("tracked",) * 6 + ("partial",) + ("tracked",) * 5
+    assert found.doubts[6][:2] == ("", "")
+    assert "right wing" in found.doubts[6][2]
+    assert "right wing" in found.reasons[6]
+    away = apart(found.pose, pose)[6]
+    assert np.all(np.abs(away[3:9]) < 3 * AIMS[:6])
+    assert np.all(found.uncertainty[6, 9:12] > 2 * found.uncertainty[5, 9:12])
+    assert np.all(np.abs(away[9:12]) < 2.5 * found.uncertainty[6, 9:12])
+
+
+def test_a_wing_that_is_not_where_it_is_expected_is_looked_for_everywhere(short):
+    pose, frames = short
+    X = pose.coordinates.copy()
+    X[6:, 9:11] += np.array([-60, 35]) * deg
+    jumped = Pose(coordinates=X, stroke_plane_angle=STROKE_PLANE)
+    found = followed([*frames[:6], *drawn(jumped[6:])], jumped)
+    away = apart(found.pose, jumped)
+    assert found.status == ("tracked",) * len(pose)
+    assert np.max(np.abs(away[:, 9:11])) < 10 * deg  # of a jump of 60
 
 
 def test_a_fly_that_stays_away_is_lost_and_has_no_coordinates(short):

@@ -188,11 +188,23 @@ def _outside(box, u, v):
 
 
 @numba.njit(cache=True)
+def _looked_at(body, left, right, band, corner, extent, image, stride, look):
+    """First and last column and row, counted from a crop's corner: the crop and what of the fly is on the image."""
+    for axis in range(2):
+        low = min(body[2 * axis], left[2 * axis], right[2 * axis]) - band - corner[axis]
+        high = max(body[2 * axis + 1], left[2 * axis + 1], right[2 * axis + 1]) + band - corner[axis]
+        low, high = max(low, -corner[axis]), min(high, image[axis] - 1.0 - corner[axis])
+        look[2 * axis] = -int(max(-low, 0.0) / stride) * stride
+        look[2 * axis + 1] = max(int(high) + 1, extent[axis])
+
+
+@numba.njit(cache=True)
 def compare(
     cameras,
     targets,
     corner,
     extent,
+    image,
     softness,
     stride,
     lenience,
@@ -215,6 +227,7 @@ def compare(
     targets : (C, V, U) c(D / s) of the silhouettes, cropped
     corner : (C, 2) u, v of the crops' first pixel
     extent : (C, 2) columns and rows of each crop
+    image : (C, 2) columns and rows of each image: around its crop there is no silhouette, around it nothing is known
     softness : s [px]
     stride : every how many pixels, along rows and along columns, are looked at; each stands for stride^2
     lenience : weight of pixels that the silhouette covers more than the fly does: legs, for one
@@ -234,7 +247,7 @@ def compare(
     near_wing, work = np.empty((2, 4)), np.empty((5, 3))
     discs = np.empty((spheres.shape[0], 3))
     wings, edges, sweep = np.empty((2, outline.shape[0], 2)), np.empty((2, outline.shape[0], 3)), np.empty((2, 2))
-    nonzero = np.empty(COLUMNS, np.int64)
+    nonzero, look = np.empty(COLUMNS, np.int64), np.empty(4, np.int64)
     band, area = BAND * softness, float(stride * stride)
     for c in range(cameras.shape[0]):
         P = cameras[c]
@@ -247,10 +260,12 @@ def compare(
         body_box = _box(discs, discs[:, 2])
         left_box = _box(wings[0], np.full(outline.shape[0], abs(sweep[0, 0]) + abs(sweep[0, 1])))
         right_box = _box(wings[1], np.full(outline.shape[0], abs(sweep[1, 0]) + abs(sweep[1, 1])))
-        for i in range(0, extent[c, 1], stride):
+        _looked_at(body_box, left_box, right_box, band, corner[c], extent[c], image[c], stride, look)
+        for i in range(look[2], look[3], stride):
             v = corner[c, 1] + i
-            j = 0
-            while j < extent[c, 0]:
+            framed = 0 <= i < extent[c, 1]
+            j = look[0]
+            while j < look[1]:
                 u = corner[c, 0] + j
                 # a part that is farther than the band need not be known exactly
                 d, part = _outside(body_box, u, v), 0
@@ -265,10 +280,10 @@ def compare(
                     if away < d:
                         d, part = away, side + 1
                 if d > band or d < -band:
-                    stop = min(j + max(int((abs(d) - band) / stride), 0) * stride + stride, extent[c, 0])
+                    stop = min(j + max(int((abs(d) - band) / stride), 0) * stride + stride, look[1])
                     cover = 0.0 if d > 0 else 1.0
                     while j < stop:
-                        target = targets[c, i, j]
+                        target = targets[c, i, j] if framed and 0 <= j < extent[c, 0] else 0.0
                         total += area * (cover - target) ** 2 * (lenience if target > cover else 1.0)
                         tally[c, 0] += area * cover
                         if target > 0.5:
@@ -277,7 +292,7 @@ def compare(
                         j += stride
                     continue
                 cover = 1.0 / (1.0 + np.exp(d / softness))
-                target = targets[c, i, j]
+                target = targets[c, i, j] if framed and 0 <= j < extent[c, 0] else 0.0
                 residual = cover - target
                 pull = area * (lenience if residual < 0.0 else 1.0)
                 total += pull * residual * residual

@@ -1,0 +1,71 @@
+"""Other stances than the one found first, for a frame in which it is strange or doubted."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from flycontrol.units import deg
+from flycontrol.vision.fit_shape import FitShape
+from flycontrol.vision.silhouette_fit import Leash, SilhouetteFit, fit_silhouettes, silhouette_cost
+from flycontrol.vision.soft_silhouette import BorderDistance
+from flycontrol.vision.stance import WING_TURN, Stance, step_between
+from flycontrol.vision.wing_grid import wing_grid
+
+_TWIST = 55 * deg  #: by which a wing is turned about its span
+_COARSE = 4.0  #: softness of the search [px]
+_KEPT, _APART = 3, 30 * deg  #: places of a wing that are fitted, so far apart in one turn at least
+#: A wing that was lost may be anywhere.
+_LOOSE = Leash(wing=180 * deg)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SecondLook:
+    """Where to look again."""
+
+    border: BorderDistance
+    shape: FitShape
+    stroke_plane_angle: float  #: [rad]
+    expected: Stance
+
+    def twisted(self, stance: Stance) -> Iterator[SilhouetteFit]:
+        """Fits from the stance with one wing turned about its span, one way and the other."""
+        for side in (0, 1):
+            for sign in (1.0, -1.0):
+                turn = Rotation.from_rotvec(sign * _TWIST * stance.wings_B[side][:, 0]).as_matrix()
+                yield self.near(with_wing(stance, side, turn @ stance.wings_B[side]))
+
+    def elsewhere(self, stance: Stance, side: int) -> Iterator[SilhouetteFit]:
+        """Fits with the left (0) or right (1) wing looked for everywhere, body and other wing as they are."""
+        guesses = [
+            with_wing(stance, side, wings[side]) for wings in wing_grid(self.shape, self.stroke_plane_angle)
+        ]  # fmt: skip
+        order = np.argsort([silhouette_cost(self.border, self.shape, guess, _COARSE) for guess in guesses])
+        for guess in _different([guesses[k] for k in order], side):
+            yield fit_silhouettes(
+                self.border, self.shape, guess, expected=self.expected, leash=_LOOSE, softness=(_COARSE, 2.0, 1.0)
+            )
+
+    def near(self, start: Stance) -> SilhouetteFit:
+        """The fit from another start."""
+        return fit_silhouettes(self.border, self.shape, start, expected=self.expected)
+
+
+def with_wing(stance: Stance, side: int, axes: np.ndarray) -> Stance:
+    """The stance with other axes (3, 3) of one wing, in body axes."""
+    wings = stance.wings_B.copy()
+    wings[side] = axes
+    return replace(stance, wings_B=wings)
+
+
+def _different(guesses: Sequence[Stance], side: int) -> list[Stance]:
+    kept: list[Stance] = []
+    for guess in guesses:
+        if all(np.max(np.abs(step_between(other, guess)[WING_TURN[side]])) > _APART for other in kept):
+            kept.append(guess)
+        if len(kept) == _KEPT:
+            break
+    return kept
