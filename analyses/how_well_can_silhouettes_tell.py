@@ -683,8 +683,8 @@ def as_text(found: Findings) -> str:
         "without error.\n",
         *_whole_table(found),
         "Published errors are those of the authors' abstracts: the first without saying what they are means of, the "
-        "second beside a person who digitised six real films, whose own errors they contain. Ours are of a fly that bends "
-        "nowhere.\n",
+        "second beside a person who digitised six real films, whose own errors they contain. Ours are of a fly that "
+        "bends nowhere.\n",
         *_answer(found), *_filmings_tables(found), *_bands_table(found),
         *[f"![{title}]({name})\n" for name, title in _TITLES.items()],
         "## How it was done\n",
