@@ -52,8 +52,8 @@ class NoisySpline:
     """y_n = f(n) + sigma_n (a c_n + s e_n),  E[c_n c_k] = (1 + kappa |n - k|) exp(-kappa |n - k|).
 
     The third derivative of f is white noise of density q, and so is e, of variance 1. The start of f is diffuse: the
-    likelihood is the restricted one, and f given y is a quintic smoothing spline. The Kalman filter and smoother are
-    those of statsmodels, with its exact diffuse start.
+    likelihood is the restricted one, and f given y is a quintic smoothing spline (wahba1978). The Kalman filter and
+    smoother are those of statsmodels, with its exact diffuse start.
     """
 
     y: FloatArray  #: (N,) NaN where not seen

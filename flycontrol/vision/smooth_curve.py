@@ -16,7 +16,7 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 _KAPPA = 2800.0  #: of lasting errors [1/s], as simulated flights at 8,000 frames a second show them (C)
-_DRIFT = 50.0  #: of what neighbouring frames share [1/s]: it changes within a few wingbeats (C)
+_DRIFT = 100.0  #: of what neighbouring frames share [1/s]: it changes within a few wingbeats (C)
 _FAR = 5.0  #: standard deviations from where the other frames expect a frame (C)
 _NEAR = 3  #: frames to each side
 _ROUNDS = 6  #: at most, of setting frames aside
@@ -43,14 +43,14 @@ class SmoothCurve:
 
 
 def smooth_curve(
-    values: FloatArray, spread: FloatArray, runs: Sequence[slice], frame_rate: float, *, stated: bool
+    values: FloatArray, spread: FloatArray, runs: Sequence[slice], frame_rate: float, *, lasting: float | None
 ) -> SmoothCurve:
     """The curve behind the noisy values (N,) of one coordinate with its spread (N,); see `smooth_curves`."""
-    return smooth_curves(values[:, None], spread[:, None], runs, frame_rate, stated=stated)[0]
+    return smooth_curves(values[:, None], spread[:, None], runs, frame_rate, lasting=lasting)[0]
 
 
 def smooth_curves(
-    values: FloatArray, spread: FloatArray, runs: Sequence[slice], frame_rate: float, *, stated: bool
+    values: FloatArray, spread: FloatArray, runs: Sequence[slice], frame_rate: float, *, lasting: float | None
 ) -> list[SmoothCurve]:
     """The curves behind noisy values: posteriors of `NoisySpline`, their roughness by restricted maximum likelihood.
 
@@ -63,19 +63,19 @@ def smooth_curves(
     spread : (N, K) [u], finite and > 0 where seen
     runs : frames that belong together
     frame_rate : [1/s]
-    stated : the lasting error is as large as the spread states (a = 1); otherwise it is as large as the white one
-        that the likelihood finds (a = s), and the spread tells only its course
+    lasting : a, share of the stated spread that lasts; None: as large as the white one that the likelihood finds
+        (a = s), the spread tells only its course
     """
     unit, middle = float(np.nanmedian(spread)), np.nanmedian(values, axis=0)
     y, sigma = (values - middle) / unit, np.where(np.isfinite(values), spread / unit, 1.0)
     aside = np.zeros(len(y), dtype=np.bool_)
-    found, far = _fitted(y, sigma, runs, _KAPPA / frame_rate, stated=stated)
+    found, far = _fitted(y, sigma, runs, _KAPPA / frame_rate, lasting=lasting)
     for _ in range(_ROUNDS):
         if not far.any() or np.sum(aside | far) > _WRONG * np.sum(np.isfinite(y[:, 0])):
             break
         aside |= far
         kept = np.where(aside[:, None], np.nan, y)
-        found, far = _fitted(kept, sigma, runs, _KAPPA / frame_rate, stated=stated)
+        found, far = _fitted(kept, sigma, runs, _KAPPA / frame_rate, lasting=lasting)
     scale = np.array([unit * frame_rate**order for order in range(ORDER)])
     return [_in_units(one, aside, scale, offset) for one, offset in zip(found, middle, strict=True)]
 
@@ -92,11 +92,11 @@ def followed_curve(values: FloatArray, runs: Sequence[slice], frame_rate: float,
 
 
 def _fitted(
-    y: FloatArray, sigma: FloatArray, runs: Sequence[slice], kappa: float, *, stated: bool
+    y: FloatArray, sigma: FloatArray, runs: Sequence[slice], kappa: float, *, lasting: float | None
 ) -> tuple[list[Posterior], BoolArray]:
     """K posteriors of all frames, and (N,) those that are far from any of them."""
     pieces = _some_pieces(np.isfinite(y[:, 0]), runs)
-    roughness = _likeliest([spline for piece in pieces for spline in _splines(y, sigma, piece, kappa)], stated=stated)
+    roughness = _likeliest([spline for piece in pieces for spline in _splines(y, sigma, piece, kappa)], lasting=lasting)
     found, far = [Posterior.unknown(len(y)) for _ in y.T], np.zeros(len(y), dtype=np.bool_)
     for run in runs:
         for spline, whole in zip(_splines(y, sigma, run, kappa), found, strict=True):
@@ -126,20 +126,20 @@ def _in_units(found: Posterior, aside: BoolArray, scale: FloatArray, offset: flo
     return SmoothCurve(value=value, covariance=covariance, set_aside=aside)
 
 
-def _likeliest(splines: Sequence[NoisySpline], *, stated: bool) -> Roughness:
+def _likeliest(splines: Sequence[NoisySpline], *, lasting: float | None) -> Roughness:
     def unlikelihood(x: FloatArray) -> float:
         inside = np.clip(x, _LOWEST, _HIGHEST)
         outside = float(np.sum((x - inside) ** 2))
-        return outside - sum(spline.log_likelihood(_roughness(inside, stated=stated)) for spline in splines)
+        return outside - sum(spline.log_likelihood(_roughness(inside, lasting=lasting)) for spline in splines)
 
     options = {"initial_simplex": _SIMPLEX, "xatol": 0.1, "fatol": 0.1, "maxfev": 80}
     found = minimize(unlikelihood, _SIMPLEX[0], method="Nelder-Mead", options=options)
-    return _roughness(np.clip(found.x, _LOWEST, _HIGHEST), stated=stated)
+    return _roughness(np.clip(found.x, _LOWEST, _HIGHEST), lasting=lasting)
 
 
-def _roughness(x: FloatArray, *, stated: bool) -> Roughness:
+def _roughness(x: FloatArray, *, lasting: float | None) -> Roughness:
     white = float(np.exp(x[1]))
-    return Roughness(wander=float(np.exp(x[0])), white=white, lasting=1.0 if stated else white)
+    return Roughness(wander=float(np.exp(x[0])), white=white, lasting=white if lasting is None else lasting)
 
 
 def _far(spline: NoisySpline, found: Posterior, roughness: Roughness) -> BoolArray:

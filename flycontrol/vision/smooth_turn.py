@@ -75,7 +75,7 @@ def smooth_turn(body_axes_W: FloatArray, spread_B: FloatArray, runs: Sequence[sl
     reference, spin = _turning(slow)
     w = np.full((len(seen), 3), np.nan)
     w[seen] = Rotation.from_matrix(np.swapaxes(reference[seen], 1, 2) @ body_axes_W[seen]).as_rotvec()
-    right, down, forward = (smooth_curve(w[:, k], spread_B[:, k], runs, frame_rate, stated=True) for k in (1, 2, 0))
+    right, down, forward = (smooth_curve(w[:, k], spread_B[:, k], runs, frame_rate, lasting=1.0) for k in (1, 2, 0))
     return SmoothTurn(reference=reference, spin=spin, turns=(forward, right, down))
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from flycontrol.errors import InvalidParameterError
 from flycontrol.model.pose import ANGLES, ATTITUDE, BASE, COORDINATES, POSITION, Pose
 from flycontrol.model.stroke import Side
+from flycontrol.units import deg
 from flycontrol.vision.attitude_motion import attitude_motion
 from flycontrol.vision.smooth_curve import SmoothCurve, smooth_curve, smooth_curves
 from flycontrol.vision.smooth_turn import SmoothTurn, smooth_turn, turn_spread
@@ -22,7 +23,12 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 _FEWEST = 8  #: frames seen in a run; fewer do not tell noise from motion
-_COMMON = 0.5  #: share of the body's variance that is the same in every frame, such as legs make it (C)
+#: Shares of the body's stated variance that neighbouring frames have in common, such as legs make them, and that no
+#: smoothing takes away: of its position and of turns about forward, right, down, from simulated flights (C).
+_COMMON, _COMMON_TURN = 0.5, (0.5, 1.5, 1.5)
+_LASTING = 0.5  #: share of the stated spread of positions that lasts for some frames (C)
+#: Stroke, deviation and pitch are given within 180 deg of these.
+_MIDDLE = np.array([0.0, 0.0, 90 * deg])
 _SIDES: tuple[Side, Side] = ("left", "right")
 
 
@@ -36,7 +42,8 @@ def smoothed(track: Track, frame_rate: float, *, longest_gap: int = 40) -> Smoot
 
     Only frames where the fly was seen count; what a tracker expects of the others is no observation. Frames
     between two of them are bridged with bands that grow; a gap that is too long stays NaN, and so do the ends before
-    the first and after the last frame seen. Yaw is continuous and may leave +-180 deg.
+    the first and after the last frame seen. Yaw is continuous and may leave +-180 deg; a wing's pitch is between
+    -90 and 270 deg.
 
     Parameters
     ----------
@@ -89,10 +96,10 @@ class _Sight:
         out[self.seen] = rows
         return out
 
-    def common(self, spread: FloatArray) -> FloatArray:
-        """(N,) variance that no smoothing takes away, of standard deviations (M,)."""
+    def common(self, spread: FloatArray, share: float = _COMMON) -> FloatArray:
+        """(N,) a share of the variance of standard deviations (M,)."""
         frames = np.arange(len(self.seen))
-        return _COMMON * np.interp(frames, frames[self.seen], spread) ** 2
+        return share * np.interp(frames, frames[self.seen], spread) ** 2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -131,13 +138,15 @@ def _runs(seen: BoolArray, longest_gap: int) -> list[slice]:
 def _fill_body(columns: _Columns, sight: _Sight) -> SmoothTurn:
     x, around = sight.pose.position_W, sight.spread[:, POSITION]
     runs, rate = sight.runs, sight.frame_rate
-    position = smooth_curves(sight.among_all(x), sight.among_all(around), runs, rate, stated=True)
+    position = smooth_curves(sight.among_all(x), sight.among_all(around), runs, rate, lasting=_LASTING)
     for k, curve in enumerate(position):
         columns.put(k, curve.with_common(sight.common(around[:, k])))
     spread_B = turn_spread(sight.pose.coordinates[:, ATTITUDE], sight.spread[:, ATTITUDE])
     R = sight.among_all(sight.pose.body_axes_W)
     turn = smooth_turn(R, sight.among_all(spread_B), runs, rate)
-    turn = turn.with_common(np.stack([sight.common(column) for column in spread_B.T], axis=1))
+    turn = turn.with_common(
+        np.stack([sight.common(*pair) for pair in zip(spread_B.T, _COMMON_TURN, strict=True)], axis=1)
+    )
     motion = attitude_motion(turn, rate)
     columns.value[:, ATTITUDE], columns.variance[:, ATTITUDE] = motion.angles, motion.spread**2
     columns.omega[:], columns.omega_spread[:] = motion.angular_velocity_B, motion.angular_velocity_spread
@@ -148,11 +157,12 @@ def _fill_body(columns: _Columns, sight: _Sight) -> SmoothTurn:
 def _fill_wing(columns: _Columns, sight: _Sight, turn: SmoothTurn, side: Side) -> None:
     position_W, R = columns.value[:, POSITION, 0], turn.body_axes_W
     wing = wing_in_body(sight.pose, side, position_W[sight.seen], R[sight.seen])
-    wing[:, :3] = np.unwrap(wing[:, :3], axis=0)
+    # no wing turns right round: unwrapped, one wrong frame would lead all that follow astray
+    wing[:, :3] = (wing[:, :3] - _MIDDLE + np.pi) % (2 * np.pi) - np.pi + _MIDDLE
     places = np.r_[ANGLES[side], BASE[side]]
     for k, values in zip(places, wing.T, strict=True):
         y, sigma = sight.among_all(values), sight.among_all(sight.spread[:, k])
-        columns.put(k, smooth_curve(y, sigma, sight.runs, sight.frame_rate, stated=False))
+        columns.put(k, smooth_curve(y, sigma, sight.runs, sight.frame_rate, lasting=None))
     now = Pose(coordinates=columns.value[:, :, 0], stroke_plane_angle=sight.pose.stroke_plane_angle)
     by_turns = by_body_turns(now, side)
     for run in sight.runs:

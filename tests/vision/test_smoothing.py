@@ -37,7 +37,8 @@ def seen_with_errors(pose, rng):
     last, white = lasting(rng, (n, 18)), rng.standard_normal((n, 18))
     body, wing = last + 0.2 * white, 0.7 * (last + white)
     R = pose.body_axes_W @ turned(body[:, 3:6] * [2.8 * deg, 0.17 * deg, 0.17 * deg])
-    x = pose.position_W + 6e-3 * mm * body[:, :3]
+    always = np.array([0.7, -0.7, 0.7])  # of positions, such as legs make it
+    x = pose.position_W + 6e-3 * mm * (always + 0.5 * last[:, :3] + 0.1 * white[:, :3])
     wings = [pose.body_axes_W @ turned(0.2 * deg * wing[:, part]) @ np.swapaxes(pose.body_axes_W, 1, 2)
              @ pose.wing_axes_W(side) for side, part in (("left", slice(6, 9)), ("right", slice(9, 12)))]  # fmt: skip
     bases = [np.einsum("nji,nj->ni", R, pose.base_W(side) + 4e-3 * mm * wing[:, part] - x)
@@ -202,6 +203,17 @@ def test_yaw_runs_on_beyond_half_a_turn(flight):
     assert np.max(np.abs(np.diff(yaw))) < 5 * deg
 
 
+def test_a_wing_that_is_pitched_beyond_half_a_turn_does_not_jump(flight):
+    pose = flight[0]
+    X = pose.coordinates.copy()
+    X[:, 8] += 60 * deg
+    X[:, 8] = (X[:, 8] + np.pi) % (2 * np.pi) - np.pi
+    assert np.ptp(X[:, 8]) > 350 * deg
+    found = smoothed(track_of(replace(pose, coordinates=X)), RATE)
+    assert not found.set_aside.any()
+    assert np.max(np.abs(found.pose.wing("left").pitch - pose.wing("left").pitch - 60 * deg)) < 1.5 * deg
+
+
 def test_mirrored_flights_give_mirrored_curves(flight, smooth_flight):
     track = flight[1]
     other = smoothed(replace(track, pose=mirrored(track.pose)), RATE)
@@ -284,7 +296,7 @@ def test_white_noise_on_a_sine_is_reduced_and_its_bands_are_calibrated():
     hits, gains = [], []
     for _ in range(5):
         y = sine + sigma * rng.standard_normal(len(time))
-        curve = smooth_curve(y, np.full(len(time), sigma), [slice(0, 400)], RATE, stated=False)
+        curve = smooth_curve(y, np.full(len(time), sigma), [slice(0, 400)], RATE, lasting=None)
         away = curve.value[:, 0] - sine
         hits.append(np.abs(away) < 1.96 * np.sqrt(curve.covariance[:, 0, 0]))
         gains.append(rms(away) / rms(y - sine))
@@ -300,11 +312,12 @@ def test_a_frame_rate_that_is_none_is_refused(flight):
 
 
 @pytest.mark.slow
-def test_a_tracked_flight_comes_nearer_to_the_truth_in_every_coordinate_and_its_bands_hold():
+def test_a_tracked_flight_is_no_further_from_the_truth_in_any_coordinate_and_its_bands_hold():
     pose = turning_flight(5)
     track = track_silhouettes(drawn(pose), CAMERAS, Fly(shape=BARE, stroke_plane_angle=STROKE_PLANE))
     found = smoothed(track, RATE)
     gain = rms(apart(found.pose, pose)) / rms(apart(track.pose, pose))
-    assert np.all(gain < 1), gain
+    assert np.all(gain < 1.02), gain
+    assert np.all(gain[5:12] < 0.7)  # roll and the wings
     inside = np.abs(apart(found.pose, pose)) < 1.96 * found.uncertainty
     assert np.all(np.mean(inside, axis=0) > 0.85), np.mean(inside, axis=0)
