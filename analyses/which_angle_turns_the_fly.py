@@ -100,6 +100,7 @@ STEERINGS = (
     Steering(name="paddling, 2 deg", right=Modulation(pitch_offset=2 * deg), by=("pitch",)),
     Steering(name="biased hinges, 3 deg", right=Modulation(pitch_offset=3 * deg), by=("pitch",), hinge=True),
     Steering(name="stroke amplitude, 10 %", right=Modulation(stroke_gain=0.1), by=("stroke",)),
+    Steering(name="stroke amplitude, 30 %", right=Modulation(stroke_gain=0.3), by=("stroke",)),
     Steering(name="deviation, 8 deg", right=Modulation(deviation_offset=8 * deg), by=("deviation",)),
     Steering(
         name="all three: 10 %, 8 deg, 2 deg",
@@ -504,26 +505,36 @@ def draw_shares(ax: "Axes", found: Findings) -> None:
 
 
 # ## The answer
-#
-# **The method works.** Turns of 115 and 136 deg by paddling and by biased hinges, filmed with the jitter of a tracker,
-# are attributed to pitch by 0.93 (0.82 to 1.03) and 0.91 (0.74 to 1.07), a mixed one as it was made, with an
-# interaction of -0.02; turn angles of the versions are shared like their torques. Stroke amplitudes 10 % up and down,
-# and deviations 8 deg up and down, turn the fly by 10 and 22 deg only, and in a film that is within the jitter: the
-# shares have no bounds, which is the right answer. Intervals of ten wingbeats hold 139 of 150 effects.
-#
-# **The level turn is mostly pitch**: 0.86 (0.77 to 1.09) of the torque of the asymmetry as it is measured, stroke
-# -0.08, deviation 0.22; the interaction is below 0.001. But right and left differ in straight flight too. Less the
-# quiet wingbeats after the turn pitch has 0.63 (0.44 to 0.74) and deviation 0.41; less those before it nothing is left
-# to share. The wings' yaw torque drifts through this flight by more than the turn needs, so that 90 % is neither shown
-# nor excluded, while stroke alone clearly does not turn the fly. Flown anew, this motion turns a fly by 157 deg, not
-# by 60.
-#
-# **Banked turns do not show it.** What follows the needed yaw torque there is deviation, 0.81 (0.04 to 2.15), rather
-# than pitch, 0.31 (-0.64 to 1.02); half of the slope comes from mirror-symmetric wings on a rolling body. In the burst
-# both are large and opposite.
-#
-# **The published pattern of maximal yaw has none here**: pitch +163, deviation -216, stroke +55 pN m cancel, at wings
-# that differ by half a degree. Either its amplitude is the wrong thing to scale, or a quasi-steady wing misses it.
+
+
+def answer(found: Findings) -> str:
+    """What the note has found, in words."""
+    pitch = [k for k in found.known if k.steering.by == ("pitch",)]
+    as_is, less = found.level.shares["as it is"], found.level.shares["less the quiet wingbeats after"]
+    both, (stroke, deviation, by_pitch) = found.slopes["both"], (e / pNm for e in found.pattern.effects)
+    unbounded = [k.steering.name for k in found.known if not np.isfinite(k.filmed.shapley["pitch"].low)]
+    return "\n\n".join([
+        f"**The method finds pitch.** Turns of {' and '.join(f'{abs(k.turned) / deg:.0f}' for k in pitch)} deg by "
+        "paddling and by biased hinges, filmed with the jitter of a tracker, are attributed to pitch by "
+        f"{' and '.join(between(k.filmed.shapley['pitch']) for k in pitch)}; without jitter by 1, since only pitch "
+        "differs there. " + (f"Of the turns by {' and by '.join(unbounded)} a film tells nothing: their torque is "
+        "within the jitter, and their shares have no bounds. " if unbounded else "")
+        + f"Intervals of ten wingbeats hold {found.coverage[0]} of {found.coverage[1]} effects.",
+        f"**The level turn is mostly pitch**: {between(as_is.shapley['pitch'])} of the torque of the asymmetry as it "
+        f"is measured, stroke {as_is.shapley['stroke'].value:.2f}, deviation {as_is.shapley['deviation'].value:.2f}. "
+        "But right and left differ in straight flight too. Less the quiet wingbeats after the turn pitch has "
+        f"{between(less.shapley['pitch'])} and deviation {less.shapley['deviation'].value:.2f}; less those before it "
+        "nothing is left to share. The wings' yaw torque drifts through this flight by more than the turn needs, so "
+        "that 90 % is neither shown nor excluded, while stroke alone clearly does not turn the fly. Flown anew, this "
+        f"motion turns a fly by {abs(found.level.flown.values[-1]) / deg:.0f} deg, not by "
+        f"{found.level.angle / deg:.0f}.",
+        "**Banked turns do not show it.** What follows the needed yaw torque there is deviation, "
+        f"{between(both.shapley['deviation'])}, rather than pitch, {between(both.shapley['pitch'])}; half of the slope "
+        "comes from mirror-symmetric wings on a rolling body.",
+        f"**The published pattern of maximal yaw has none here**: pitch {by_pitch:+.0f}, deviation {deviation:+.0f}, "
+        f"stroke {stroke:+.0f} pN m cancel, at wings that differ by half a degree. Either its amplitude is the wrong "
+        "thing to scale, or a quasi-steady wing misses it.",
+    ])  # fmt: skip
 
 
 # ## The note
@@ -595,6 +606,17 @@ def claims(found: Findings) -> list[dict[str, str]]:
             "basis": "simulated",
         },
         *(
+            {
+                **row(
+                    f"symmetrising finds the angle that turns the fly: a turn made by {k.steering.name}, so filmed",
+                    "it does",
+                    ", ".join(f"{angle} {between(share)}" for angle, share in k.filmed.shapley.items()), found_by(k),
+                ),
+                "basis": "simulated",
+            }
+            for k in found.known if k.steering.by in (("stroke",), ("deviation",))
+        ),
+        *(
             row(f"pitch makes the yaw torque: a level turn of 60 deg, {name}", "about 0.9", between(s.shapley["pitch"]),
                 verdict(s.shapley["pitch"]))
             for name, s in found.level.shares.items()
@@ -610,6 +632,16 @@ def claims(found: Findings) -> list[dict[str, str]]:
             f"stroke and deviation add {against:+.2f} of the pitch's torque to it",
             "roughly" if abs(against) < 0.3 else "fails: nothing is left of the pitch's torque"),
     ]  # fmt: skip
+
+
+def found_by(known: KnownTurn) -> str:
+    """Whether a film tells that the angle of the steering turned the fly."""
+    (angle,) = known.steering.by
+    share = known.filmed.shapley[angle]
+    if not np.isfinite(share.low):
+        return "fails: the torque of the turn is too small beside the jitter for any bound"
+    others = [other for name, other in known.filmed.shapley.items() if name != angle]
+    return "agrees" if share.low > max(other.high for other in others) else "cannot be told: the intervals overlap"
 
 
 def claim_rows(found: Findings) -> Iterator[str]:
@@ -632,7 +664,9 @@ def as_text(found: Findings) -> str:
         "# Which angle turns the fly?\n",
         "The review: small changes in wing pitch make about 90 % of the yaw torque of a turn, stroke alone does not "
         "turn the fly. Wings are given the mean of both, angle by angle: eight versions, a full factorial. Shapley's "
-        "shares are means over all orders and add up to 1; intervals are 95 %, from blocks of wingbeats.\n",
+        "shares are means over all orders and add up to 1; intervals are 95 %, from blocks of wingbeats. Made by "
+        f"[analyses/{NAME}.py](../../analyses/{NAME}.py).\n",
+        answer(found) + "\n",
         "| claim | review | here | agreement |",
         "|---|---|---|---|",
         *claim_rows(found),

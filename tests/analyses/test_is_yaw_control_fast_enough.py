@@ -29,9 +29,9 @@ def test_the_answer_is_what_the_numbers_say(note, tmp_path):
     found = json.loads((tmp_path / "is_yaw_control_fast_enough.json").read_text())
     longest = {each["damping"]: each["longest"] for each in found["lateness"]}
     own = read_parameters().delay.value
-    assert own < longest[44.0] < longest[69.0] < longest[176.0]
+    assert longest[34.5] < own < longest[69.0] < longest[176.0]
     assert longest[69.0] - own == pytest.approx(1 / 220, rel=0.05)  # one wingbeat to spare
     best = np.array([each["best"] for each in found["lateness"]])
     assert np.all(np.diff(best, axis=1) > 0)  # later is slower
     assert np.all(np.diff(best, axis=0) < 0)  # damping helps
-    assert [claim["agreement"] for claim in found["claims"][:2]] == ["agrees", "agrees"]
+    assert all(claim["agreement"].startswith("agrees") for claim in found["claims"][:2])
