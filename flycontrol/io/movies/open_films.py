@@ -78,11 +78,15 @@ def open_films(
         films=tuple(films),
         frame_rate=one_rate([(camera.name, item.frame_rate) for item in found for camera in item.recorded]),
         backgrounds=tuple(
-            camera.background if isinstance(camera, SparseMovie) and film.rule is None else None
-            for camera, film in zip(recorded, films, strict=True)
+            _background(camera) if film.rule is None else None for camera, film in zip(recorded, films, strict=True)
         ),
         notes=tuple(notes),
     )
+
+
+def _background(camera: Recorded) -> FloatArray | None:
+    known = camera.background if isinstance(camera, SparseMovie) else None
+    return None if known is None else known.astype(np.float64)
 
 
 def _read(camera: CameraFiles, packed: bool | None, variable: str | None) -> _Found:

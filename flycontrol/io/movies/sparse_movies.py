@@ -36,7 +36,7 @@ class SparseMovie:
     path: Path
     count: int
     shape: tuple[int, int]  #: rows, columns [px]
-    background: FloatArray | None  #: (rows, columns) [grey values]
+    background: NDArray[np.uint16] | FloatArray | None  #: (rows, columns) [grey values]
     start: int | None  #: number of the first frame, counted from the trigger
     frame_rate: float | None  #: [1/s]
     pixels: Callable[[int], FloatArray]  #: (K, 2) or (K, 3) of a frame, counted from 0; (0, 0) where nothing is in view
@@ -66,10 +66,11 @@ class SparseMovie:
             return mask
         if table.shape[1] != 3 or not np.all(np.isfinite(table[:, 2])):
             raise InvalidInputError(f"{self.where(k)}: indIm has no grey values in its third column.")
-        image = self.background.copy()
-        image[rows, columns] = table[:, 2]
-        whole = image.min() >= 0 and image.max() <= _MOST_16_BIT and np.array_equal(image, np.rint(image))
-        return image.astype(np.uint16) if whole else image
+        values = table[:, 2]
+        deep = np.all((values >= 0) & (values <= _MOST_16_BIT) & (values == np.rint(values)))
+        image = self.background.copy() if deep else self.background.astype(np.float64)
+        image[rows, columns] = values
+        return image
 
     def _refuse_no_pixels(self, k: int, table: FloatArray) -> None:
         if table.ndim != 2 or table.shape[1] not in (2, 3):
@@ -113,7 +114,7 @@ def open_sparse_movie(path: Path) -> SparseMovie:
         path=path,
         count=count,
         shape=shape,
-        background=background,
+        background=_of_16_bit(background),
         start=_whole(path, "startFrame", start),
         frame_rate=_rate(path, rate),
         pixels=unpack(path, layout, count),
@@ -152,6 +153,12 @@ def _shape(path: Path, background: FloatArray | None, size: FloatArray | None) -
     if background is not None and not np.all(np.isfinite(background)):
         raise InvalidInputError(f"{path}: {_META}.bg has pixels that are no finite numbers.")
     return rows, columns
+
+
+def _of_16_bit(background: FloatArray | None) -> NDArray[np.uint16] | FloatArray | None:
+    if background is None or background.min() < 0 or background.max() > _MOST_16_BIT:
+        return background
+    return background.astype(np.uint16) if np.array_equal(background, np.rint(background)) else background
 
 
 def _whole(path: Path, name: str, value: FloatArray | None) -> int | None:

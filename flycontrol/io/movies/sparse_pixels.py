@@ -17,7 +17,7 @@ from flycontrol.io.formats import Layout
 FloatArray = NDArray[np.float64]
 Pixels = Callable[[int], FloatArray]
 
-_AT_ONCE = 500  #: frames whose pixels are held in memory together while a file is unpacked
+_AT_ONCE = 250  #: frames whose pixels are held in memory together while a file is unpacked
 
 
 def streamed_pixels(path: Path, layout: Layout, count: int) -> Pixels:

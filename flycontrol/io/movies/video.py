@@ -21,7 +21,7 @@ from flycontrol.io.movies.refusals import refusing
 from flycontrol.model.film import ImageArray
 
 _KEPT = 8  #: frames that may be asked for again without decoding
-_SLOWEST = 1000.0  #: at which wingbeats can be filmed [1/s]; lower rates are those at which a film is shown
+_SHOWN = 1000.0  #: rates up to here are those of showing a film, or what Matroska's milliseconds leave of others [1/s]
 _WHOLE = 0.9  #: of the frames that a file states; its times are too coarse to tell one or two
 _DEEP = ("gray9", "gray10", "gray12", "gray14", "gray16")  #: pixel formats of more than 8 bits
 
@@ -36,7 +36,7 @@ class Video:
             stated: dict[str, Any] = file.metadata()
         self._format = "gray16le" if str(stated.get("video_format")).startswith(_DEEP) else "gray"
         rate = float(stated.get("fps") or 0.0)
-        self.frame_rate = rate if rate >= _SLOWEST else None  #: [1/s], where it can be that of filming
+        self.frame_rate = rate if rate > _SHOWN else None  #: [1/s], where it can be that of filming
         self._recent: dict[int, ImageArray] = {}
         self._rewind()
         self._count = self._counted()
