@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 from flycontrol.errors import InvalidInputError
@@ -44,10 +45,10 @@ def stills_of(name: str, files: Sequence[Path]) -> Stills:
     Raises
     ------
     InvalidInputError
-        If a file is not named like the others, or if one is missing in their numbering.
+        If a file is not named like the others, if two bear one number, or if one is missing in their numbering.
     """
     ordered = sorted(files, key=natural_key)
-    kinds = [words(file) for file in ordered]
+    kinds = [(*words(file), file.suffix.lower()) for file in ordered]
     usual = max(set(kinds), key=kinds.count)
     odd = next((file for file, kind in zip(ordered, kinds, strict=True) if kind != usual), None)
     if odd is not None:
@@ -55,6 +56,11 @@ def stills_of(name: str, files: Sequence[Path]) -> Stills:
         raise InvalidInputError(
             f"{odd}: the stills of camera {name} are numbered as {like} is, this one is not; move it elsewhere or name "
             "the stills by a pattern."
+        )
+    twice = next((pair for pair in pairwise(ordered) if numbers(pair[0]) == numbers(pair[1])), None)
+    if twice is not None:
+        raise InvalidInputError(
+            f"Camera {name}: {twice[0].name} and {twice[1].name} in {twice[0].parent} bear one number; leave one of them."
         )
     missing = gap(ordered)
     if missing is not None:

@@ -66,7 +66,7 @@ class Video:
             yield f"{self._path.name}: its {rate:g} frames/s are those of showing it, not taken for those of filming."
         stated = round(rate * seconds)
         if self._count < _WHOLE * stated:
-            yield f"{self._path.name} is cut off: it says {stated} frames, and {self._count} can be read."
+            yield f"{self._path.name} may be cut off: it says about {stated} frames, and {self._count} can be read."
 
     def _rewind(self) -> None:
         self._next = 0

@@ -127,6 +127,15 @@ def test_a_picture_that_is_not_numbered_like_the_others_is_refused(tmp_path, fil
     assert "background.png: the stills of camera cam2 are numbered as frame0.png is" in refusal([folder])
 
 
+def test_a_still_that_is_there_twice_is_refused(tmp_path, film):
+    (folder,) = written_as.write_stills(tmp_path / "film", film, ".png")
+    second = folder / "cam2" / "frame03.png"
+    second.write_bytes((folder / "cam2" / "frame3.png").read_bytes())
+    assert "frame03.png and frame3.png" in (sentence := refusal([folder])) or "frame3.png and frame03.png" in sentence
+    second.rename(folder / "cam2" / "frame3.tif")
+    assert "frame3.tif: the stills of camera cam2 are numbered as frame0.png is" in refusal([folder])
+
+
 def test_what_is_no_film_is_refused_with_what_is_read(tmp_path):
     text = tmp_path / "notes.txt"
     text.write_text("hello")
