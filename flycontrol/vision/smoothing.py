@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +12,7 @@ from flycontrol.model.pose import ANGLES, ATTITUDE, BASE, COORDINATES, POSITION,
 from flycontrol.model.stroke import Side
 from flycontrol.units import deg
 from flycontrol.vision.attitude_motion import attitude_motion
+from flycontrol.vision.sight import Sight, sight_of
 from flycontrol.vision.smooth_curve import SmoothCurve, smooth_curve, smooth_curves
 from flycontrol.vision.smooth_turn import SmoothTurn, smooth_turn, turn_spread
 from flycontrol.vision.smoothed_pose import SmoothedPose
@@ -22,10 +22,9 @@ from flycontrol.vision.wing_in_body import by_body_turns, variance_from_body, wi
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
-_FEWEST = 8  #: frames seen in a run; fewer do not tell noise from motion
 #: Shares of the body's stated variance that neighbouring frames have in common, such as legs make them, and that no
 #: smoothing takes away: of its position and of turns about forward, right, down, from simulated flights (C).
-_COMMON, _COMMON_TURN = 0.5, (0.5, 1.5, 1.5)
+_COMMON, _COMMON_TURN = 0.5, np.array([0.5, 1.5, 1.5])
 _LASTING = 0.5  #: share of the stated spread of positions that lasts for some frames (C)
 #: Stroke, deviation and pitch are given within 180 deg of these.
 _MIDDLE = np.array([0.0, 0.0, 90 * deg])
@@ -40,9 +39,9 @@ def smoothed(track: Track, frame_rate: float, *, longest_gap: int = 40) -> Smoot
     the track misses of the body's roll it adds to the strokes and takes from them in turn. Their uncertainties
     are those of the wings in the body with those of the body.
 
-    Only frames where the fly was seen count; what a tracker expects of the others is no observation. Frames
-    between two of them are bridged with bands that grow; a gap that is too long stays NaN, and so do the ends before
-    the first and after the last frame seen. Yaw is continuous and may leave +-180 deg; a wing's pitch is between
+    Only what was seen counts, body and each wing for itself; what a tracker expects of the rest is no observation.
+    Frames between two of them are bridged with bands that grow; a gap that is too long stays NaN, and so do the ends
+    before the first and after the last frame seen. Yaw is continuous and may leave +-180 deg; a wing's pitch is between
     -90 and 270 deg.
 
     Parameters
@@ -60,46 +59,14 @@ def smoothed(track: Track, frame_rate: float, *, longest_gap: int = 40) -> Smoot
         raise InvalidParameterError(f"The frame rate must be > 0 1/s, got {frame_rate!r}.")
     if longest_gap < 0:
         raise InvalidParameterError(f"The longest gap to bridge must be >= 0 frames, got {longest_gap!r}.")
-    seen = track.believed & np.isfinite(track.pose.coordinates).all(axis=1) & np.isfinite(track.uncertainty).all(axis=1)
-    runs = _runs(seen, longest_gap)
-    if not runs:
-        return _placed(_Columns.of(0), np.zeros(0, dtype=np.int_), track.pose)
-    kept = np.concatenate([np.arange(run.start, run.stop) for run in runs])
-    ends = np.cumsum([run.stop - run.start for run in runs]).tolist()
-    sight = _Sight(
-        pose=track.pose[kept][seen[kept]],
-        spread=track.uncertainty[kept][seen[kept]],
-        seen=seen[kept],
-        runs=[slice(end - (run.stop - run.start), end) for run, end in zip(runs, ends, strict=True)],
-        frame_rate=frame_rate,
-    )
-    columns = _Columns.of(len(kept))
-    turn = _fill_body(columns, sight)
-    for side in _SIDES:
-        _fill_wing(columns, sight, turn, side)
-    return _placed(columns, kept, track.pose)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Sight:
-    """N frames that belong to runs, one run after the other; M of them were seen."""
-
-    pose: Pose  #: M
-    spread: FloatArray  #: (M, 18)
-    seen: BoolArray  #: (N,)
-    runs: Sequence[slice]
-    frame_rate: float
-
-    def among_all(self, rows: FloatArray) -> FloatArray:
-        """(N, ...) of (M, ...); NaN where not seen."""
-        out = np.full((len(self.seen), *rows.shape[1:]), np.nan)
-        out[self.seen] = rows
-        return out
-
-    def common(self, spread: FloatArray, share: float = _COMMON) -> FloatArray:
-        """(N,) a share of the variance of standard deviations (M,)."""
-        frames = np.arange(len(self.seen))
-        return share * np.interp(frames, frames[self.seen], spread) ** 2
+    sight = sight_of(track, frame_rate, longest_gap)
+    columns = _Columns.of(len(sight.frames))
+    if sight.runs:
+        turn = _fill_body(columns, sight)
+        for side in _SIDES:
+            if sight.wing_runs[side]:
+                _fill_wing(columns, sight, turn, side)
+    return _placed(columns, sight.frames, track.pose)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -127,26 +94,16 @@ class _Columns:
         self.set_aside[:, column] = curve.set_aside
 
 
-def _runs(seen: BoolArray, longest_gap: int) -> list[slice]:
-    """Frames from one that was seen to another, without too long a gap between, and enough of them."""
-    frames = np.flatnonzero(seen)
-    cuts = np.flatnonzero(np.diff(frames) > longest_gap + 1) + 1
-    parts = [part for part in np.split(frames, cuts) if len(part) >= _FEWEST]
-    return [slice(int(part[0]), int(part[-1]) + 1) for part in parts]
-
-
-def _fill_body(columns: _Columns, sight: _Sight) -> SmoothTurn:
-    x, around = sight.pose.position_W, sight.spread[:, POSITION]
+def _fill_body(columns: _Columns, sight: Sight) -> SmoothTurn:
     runs, rate = sight.runs, sight.frame_rate
-    position = smooth_curves(sight.among_all(x), sight.among_all(around), runs, rate, lasting=_LASTING)
+    x, spread = sight.pose.position_W, sight.spread[:, POSITION]
+    common = _COMMON * sight.bridged(spread**2)
+    position = smooth_curves(sight.among_all(x), sight.among_all(spread), runs, rate, lasting=_LASTING)
     for k, curve in enumerate(position):
-        columns.put(k, curve.with_common(sight.common(around[:, k])))
+        columns.put(k, curve.with_common(common[:, k]))
     spread_B = turn_spread(sight.pose.coordinates[:, ATTITUDE], sight.spread[:, ATTITUDE])
     R = sight.among_all(sight.pose.body_axes_W)
-    turn = smooth_turn(R, sight.among_all(spread_B), runs, rate)
-    turn = turn.with_common(
-        np.stack([sight.common(*pair) for pair in zip(spread_B.T, _COMMON_TURN, strict=True)], axis=1)
-    )
+    turn = smooth_turn(R, sight.among_all(spread_B), runs, rate).with_common(_COMMON_TURN * sight.bridged(spread_B**2))
     motion = attitude_motion(turn, rate)
     columns.value[:, ATTITUDE], columns.variance[:, ATTITUDE] = motion.angles, motion.spread**2
     columns.omega[:], columns.omega_spread[:] = motion.angular_velocity_B, motion.angular_velocity_spread
@@ -154,23 +111,24 @@ def _fill_body(columns: _Columns, sight: _Sight) -> SmoothTurn:
     return turn
 
 
-def _fill_wing(columns: _Columns, sight: _Sight, turn: SmoothTurn, side: Side) -> None:
+def _fill_wing(columns: _Columns, sight: Sight, turn: SmoothTurn, side: Side) -> None:
     position_W, R = columns.value[:, POSITION, 0], turn.body_axes_W
     wing = wing_in_body(sight.pose, side, position_W[sight.seen], R[sight.seen])
     # no wing turns right round: unwrapped, one wrong frame would lead all that follow astray
     wing[:, :3] = (wing[:, :3] - _MIDDLE + np.pi) % (2 * np.pi) - np.pi + _MIDDLE
-    places = np.r_[ANGLES[side], BASE[side]]
+    wing[~sight.wing_seen[side]] = np.nan
+    places, runs = np.r_[ANGLES[side], BASE[side]], sight.wing_runs[side]
     for k, values in zip(places, wing.T, strict=True):
         y, sigma = sight.among_all(values), sight.among_all(sight.spread[:, k])
-        columns.put(k, smooth_curve(y, sigma, sight.runs, sight.frame_rate, lasting=None))
+        columns.put(k, smooth_curve(y, sigma, runs, sight.frame_rate, lasting=None))
+    variance = columns.variance[:, places]
     now = Pose(coordinates=columns.value[:, :, 0], stroke_plane_angle=sight.pose.stroke_plane_angle)
     by_turns = by_body_turns(now, side)
-    for run in sight.runs:
-        from_body = variance_from_body(by_turns[run], turn.covariance[run], sight.frame_rate)
-        columns.variance[run.start : run.stop, places] += from_body
-    columns.variance[:, BASE[side]] += np.einsum("nij,nik->njk", R**2, columns.variance[:, POSITION])
-    least = np.stack([sight.common(sight.spread[:, k]) for k in places], axis=1)
-    columns.variance[:, places, 0] = np.maximum(columns.variance[:, places, 0], least)
+    for run in runs:
+        variance[run] += variance_from_body(by_turns[run], turn.covariance[run], sight.frame_rate)
+    variance[:, 3:] += np.einsum("nij,nik->njk", R**2, columns.variance[:, POSITION])
+    variance[:, :, 0] = np.maximum(variance[:, :, 0], _COMMON * sight.bridged(sight.spread[:, places] ** 2))
+    columns.variance[:, places] = variance
 
 
 def _placed(columns: _Columns, kept: NDArray[np.int_], pose: Pose) -> SmoothedPose:

@@ -260,6 +260,22 @@ def test_frames_lost_at_both_ends_and_in_too_long_a_gap_stay_unknown(flight):
     assert np.all(np.isfinite(bridged.pose.coordinates[10:205]))
 
 
+def test_a_wing_that_is_not_believed_is_bridged_alone_and_unknown_in_too_long_a_gap(flight, smooth_flight):
+    pose, track = flight
+    X = track.pose.coordinates.copy()
+    X[100:106, 9:12] += 1.0
+    doubts = [("", "", "hidden") if 100 <= k < 106 else ("", "", "") for k in range(len(track))]
+    found = smoothed(replace(with_coordinates(track, X), doubts=tuple(doubts)), RATE)
+    assert np.all(np.abs(apart(found.pose, pose))[100:106, 9:12] < 3 * found.uncertainty[100:106, 9:12])
+    assert np.all(found.uncertainty[102:104, 11] > 2 * smooth_flight.uncertainty[102:104, 11])
+    assert np.array_equal(found.pose.coordinates[:, :9], smooth_flight.pose.coordinates[:, :9])
+    short = smoothed(replace(track, doubts=tuple(doubts)), RATE, longest_gap=5)
+    unknown = np.isnan(short.pose.coordinates)
+    right = [9, 10, 11, 15, 16, 17]
+    assert np.all(unknown[100:106, right])
+    assert np.sum(unknown) == 6 * len(right)
+
+
 def test_too_few_frames_give_nothing(flight):
     track = flight[1]
     found = smoothed(unseen(track, np.r_[7 : len(track)], "lost"), RATE)
