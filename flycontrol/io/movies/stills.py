@@ -60,7 +60,7 @@ def stills_of(name: str, files: Sequence[Path]) -> Stills:
     twice = next((pair for pair in pairwise(ordered) if numbers(pair[0]) == numbers(pair[1])), None)
     if twice is not None:
         raise InvalidInputError(
-            f"Camera {name}: {twice[0].name} and {twice[1].name} in {twice[0].parent} bear one number; keep one of them."
+            f"Camera {name}: {twice[0].name} and {twice[1].name} in {twice[0].parent} bear one number; keep one."
         )
     missing = gap(ordered)
     if missing is not None:
