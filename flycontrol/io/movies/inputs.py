@@ -177,6 +177,8 @@ def _camera_number(files: Sequence[Path]) -> int | None:
     if len(varying) < 2:
         return None
     counter = max(varying, key=lambda k: (len(values[k]), k))
+    if len(values[counter]) == len(files):  # it counts all of them: beside it stands a clock, no camera
+        return None
     few = [k for k in varying if k != counter and len(values[k]) <= _MOST_CAMERAS]
     return few[0] if len(few) == 1 and len(varying) == 2 else None
 

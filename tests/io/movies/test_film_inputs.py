@@ -67,7 +67,9 @@ def test_stills_of_several_cameras_in_one_folder_are_told_by_their_names(tmp_pat
     by_number = touched(tmp_path / "a", *(f"fly3_cam{c}_{k:04d}.png" for c in (1, 2) for k in range(5)))
     by_word = touched(tmp_path / "b", *(f"{side}{k}.png" for side in ("top", "left") for k in range(5)))
     frame_first = touched(tmp_path / "c", *(f"P{k}CAM{c}.jpg" for c in (1, 2, 3) for k in range(9)))
+    by_clock = touched(tmp_path / "d", *(f"20210101_12000{k // 4}_{k}.png" for k in range(12)))
     assert [camera.name for camera in camera_files([by_number])] == ["cam1", "cam2"]
+    assert [camera.name for camera in camera_files([by_clock])] == ["d"]
     assert [camera.name for camera in camera_files([by_word])] == ["left", "top"]
     assert [camera.name for camera in camera_files([frame_first])] == ["CAM1", "CAM2", "CAM3"]
     assert all(len(camera.files) == 9 for camera in camera_files([frame_first]))
