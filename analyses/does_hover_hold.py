@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from _opened import opened
 from numpy.typing import NDArray
 
 from flycontrol.flight.body_coordinates import PITCH, ROLL, coordinates_of, state_at
@@ -484,7 +485,7 @@ def _exponents(modes: tuple[FlightMode, ...]) -> dict[str, list[float]]:
 def main(folder: Path = FOLDER) -> Findings:
     """Find, draw and write."""
     found = findings()
-    text = as_text(found)
+    text = opened(__file__, as_text(found))
     write_files_atomically(
         folder,
         {

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from _opened import opened
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
@@ -370,7 +371,7 @@ def as_numbers(found: Findings) -> str:
 def main(folder: Path = FOLDER) -> Findings:
     """Find, draw and write."""
     found = findings()
-    text = as_text(found)
+    text = opened(__file__, as_text(found))
     write_files_atomically(
         folder,
         {

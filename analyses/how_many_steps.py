@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from _opened import opened
 
 from flycontrol.flight.flapping_fly import FlappingFly
 from flycontrol.flight.quasi_steady import QuasiSteadyModel
@@ -325,7 +326,7 @@ def as_numbers() -> str:
 
 def main(folder: Path = FOLDER) -> None:
     """Fly, draw and write."""
-    text = as_text()
+    text = opened(__file__, as_text())
     write_files_atomically(folder, {f"{NAME}.md": text, f"{NAME}.json": as_numbers(), f"{NAME}.svg": draw()})
     print(text)
 

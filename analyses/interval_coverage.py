@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import scipy.signal
 import scipy.stats
+from _opened import opened
 
 from flycontrol.identify.gains.fit import fit_gains
 from flycontrol.identify.gains.model import gain_model
@@ -239,7 +240,7 @@ def draw_case(left: "Axes", right: "Axes", mine: list[Account], x: np.ndarray, l
 def main(folder: Path = FOLDER, recordings: int = RECORDINGS, workers: int = 2) -> list[Account]:
     """Fit, count, draw and write."""
     found = accounts(recordings, workers, ROOT / ".cache" / "coverage")
-    text = as_text(found, recordings)
+    text = opened(__file__, as_text(found, recordings))
     write_files_atomically(
         folder, {"coverage.md": text, "coverage.json": as_numbers(found), "coverage.svg": draw(found)}
     )

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from _opened import opened
 from noise_ceiling_of_a_replay import filmed, twin_of
 from replayed_flights import FLIGHTS, FLY, REPORTS, Flight, Replay, estimate, flight_of, flights, same, svg_of
 from why_crude_replays_miss_yaw import spin_rate, still
@@ -339,7 +340,7 @@ def main(folder: Path = REPORTS / NAME) -> tuple[list[Seen], list[TrackedPoint]]
     regressions = [Regression(axis=axis, damping_free=free) for axis in (0, 2) for free in (False, True)]
     rows = [row for regression in regressions for row in seen(regression, all_flights, held)]
     points = tracked_points(all_flights, noisy_twins(all_flights, flying=True))
-    text = as_text(rows, points)
+    text = opened(__file__, as_text(rows, points))
     drawing = draw(rows, points)
     write_files_atomically(
         folder, {f"{NAME}.md": text, f"{NAME}.json": as_numbers(rows, points), f"{NAME}.svg": drawing}

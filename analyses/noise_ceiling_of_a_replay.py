@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from _opened import opened
 from replayed_flights import (
     AXES,
     FLIGHTS,
@@ -249,7 +250,9 @@ def main(folder: Path = REPORTS / NAME) -> list[list[Ceiling]]:
     all_flights = flights()
     found = [ceilings(flight, number) for number, flight in enumerate(all_flights)]
     measured = [as_is([flight], flight.recording.name) for flight in all_flights]
-    text = as_text(found, measured, [wingbeat_jitter(flight.recording, flight.inner) for flight in all_flights])
+    text = opened(
+        __file__, as_text(found, measured, [wingbeat_jitter(flight.recording, flight.inner) for flight in all_flights])
+    )
     files = {f"{NAME}.md": text, f"{NAME}.json": as_numbers(found, measured), f"{NAME}.svg": draw(found, measured)}
     write_files_atomically(folder, files)
     print(text)

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from _opened import opened
 
 from flycontrol.delay.response import collocation_rule
 from flycontrol.delay.spectrum import rightmost_roots
@@ -288,7 +289,7 @@ def main(folder: Path = FOLDER) -> list[Candidate]:
     fly = read_parameters()
     found = candidates(fly)
     drawings = draw(fly, found, gain_map(fly))
-    text = as_text(fly, found)
+    text = opened(__file__, as_text(fly, found))
     write_files_atomically(
         folder,
         {

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import scipy.signal
+from _opened import opened
 
 from flycontrol.identify.gains.fit import fit_gains
 from flycontrol.identify.gains.model import GainModel, Unknown, gain_model
@@ -419,7 +420,7 @@ def main(folder: Path = FOLDER) -> list[Cell]:
     """Simulate, compare, draw and write; returns the cells."""
     flies = [pd_fly(damping) for damping in DAMPINGS]
     best, cells, alarms = [best_p(fly) for fly in flies], powers(flies), false_alarms()
-    text = as_text(best, cells, alarms)
+    text = opened(__file__, as_text(best, cells, alarms))
     drawings = draw(flies, cells)
     write_files_atomically(
         folder,

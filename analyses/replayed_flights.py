@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from _opened import opened
 
 from flycontrol.flight.aerodynamics import Load
 from flycontrol.flight.flapping_fly import FlappingFly
@@ -355,7 +356,7 @@ def main(folder: Path = REPORTS / NAME) -> list[AsIs]:
     """Replay, compare, draw and write."""
     all_flights = flights()
     results = [as_is([flight], flight.recording.name) for flight in all_flights] + [as_is(all_flights, "all")]
-    text = as_text(results)
+    text = opened(__file__, as_text(results))
     files = {f"{NAME}.md": text, f"{NAME}.json": as_numbers(results), f"{NAME}.svg": draw(all_flights)}
     write_files_atomically(folder, files)
     print(text)

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from _opened import opened
 from numpy.typing import NDArray
 
 from flycontrol.flight.flapping_fly import FlappingFly
@@ -703,7 +704,7 @@ def _springs_numbers(one: OnSprings) -> dict[str, Any]:
 def main(folder: Path = FOLDER) -> Findings:
     """Find, draw and write."""
     found = findings()
-    text = as_text(found)
+    text = opened(__file__, as_text(found))
     write_files_atomically(
         folder,
         {

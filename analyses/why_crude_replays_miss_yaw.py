@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from _opened import opened
 from replayed_flights import (
     AXES,
     FLY,
@@ -462,7 +463,7 @@ def as_numbers(rows: list[Row]) -> str:
 def main(folder: Path = REPORTS / NAME) -> list[Row]:
     """Change, compare, draw and write."""
     rows = rows_of(flights())
-    text = as_text(rows)
+    text = opened(__file__, as_text(rows))
     files = {f"{NAME}.md": text, f"{NAME}.json": as_numbers(rows), f"{NAME}.svg": draw(rows)}
     write_files_atomically(folder, files)
     print(text)

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from _opened import opened
 from numpy.typing import NDArray
 
 from flycontrol.flight.coefficients import COEFFICIENTS, CoefficientName
@@ -467,7 +468,7 @@ def main(folder: Path = FOLDER) -> Findings:
                 f"The measurements are not at {DATA / needed}; set FLYCONTROL_DATA to the folder that holds {needed}."
             )
     found = findings()
-    text = as_text(found)
+    text = opened(__file__, as_text(found))
     write_files_atomically(
         folder,
         {

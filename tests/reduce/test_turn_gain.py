@@ -19,6 +19,14 @@ def test_at_constant_speed_with_square_pitch_and_the_hinge_on_the_axis_eq_5_hold
     assert limit.ratio == pytest.approx(0.92 * limit.speeds.mean, rel=0.005)
 
 
+@pytest.mark.parametrize("attack", [25, 30, 45, 60])
+def test_eq_5_with_the_slope_of_drag_holds_at_other_attack_angles_where_reversals_are_sharp(attack):
+    """A wing pitched 90 deg less the attack angle to either side; slow reversals cost 3 to 5 % below 45 deg."""
+    found = turn_gain(sweeping(stroke_shape=0.9999, pitch_shape=100.0, pitch_amplitude=(90 - attack) * deg))
+    assert found.attack == pytest.approx(attack * deg, rel=0.01)
+    assert found.ratio == pytest.approx(found.ideal, rel=0.02)
+
+
 @pytest.mark.parametrize("experiment", [hover, wiggling])
 def test_the_factors_multiply_up_to_the_measured_ratio(experiment):
     found = turn_gain(experiment())
