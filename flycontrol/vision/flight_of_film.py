@@ -1,4 +1,4 @@
-"""A film and what is known of it, tracked and put together as a flight."""
+"""A film and what is known of it, tracked, smoothed and put together as a flight."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from flycontrol.model.camera import Camera
 from flycontrol.model.pose import Pose
 from flycontrol.vision.footage import Footage
 from flycontrol.vision.footage_check import FootageCheck
+from flycontrol.vision.smoothing import smoothed
 from flycontrol.vision.tracked_film import Asked, tracked_film
 from flycontrol.vision.tracked_flight import TrackedFlight
-from flycontrol.vision.unsmoothed import unsmoothed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -36,8 +36,9 @@ def flight_of_film(
     checkpoint: Checkpoint | None = None,
     progress: Progress = no_progress,
 ) -> TrackedFlight:
-    """Track a film; raises as `tracked_film` does."""
+    """Track a film and smooth what was found; raises as `tracked_film` does."""
     found = tracked_film(filmed.footage, filmed.cameras, asked, checkpoint, progress)
+    progress(len(filmed.frames), len(filmed.frames), "smoothing")
     rate = filmed.footage.frame_rate
     return TrackedFlight(
         name=filmed.name,
@@ -47,7 +48,7 @@ def flight_of_film(
         sizes_fitted=found.sized.sizes is not None,
         refined=asked.refine,
         track=found.track,
-        smoothed=unsmoothed(found.track, rate),
+        smoothed=smoothed(found.track, rate),
         check=check.calibration,
         truth=filmed.truth,
         frames=filmed.frames,
