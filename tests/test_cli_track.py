@@ -11,8 +11,12 @@ from flycontrol.io.cameras import read_cameras
 from flycontrol.io.recordings import read_recording
 from flycontrol.io.trials import read_trials
 from flycontrol.model.camera_forms import orthogonal_cameras
-from flycontrol.units import mm
+from flycontrol.model.planform import Planform
+from flycontrol.units import deg, mm
+from flycontrol.vision.example_flight import example_flight
+from flycontrol.vision.render import render_silhouettes
 
+PLANFORM = Planform(length=2.4 * mm, mean_chord=2.4 * mm / 3.4, second_moment_radius=0.58)
 AIMS = {"yaw": 1, "pitch": 1, "roll": 3, "stroke": 2, "deviation": 2, "wing_pitch": 5}  #: root mean square [deg]
 
 
@@ -122,3 +126,98 @@ def test_the_default_flight_is_tracked_within_the_aims_and_reported_on(command, 
     reading = ("--recording", out / "recording.nc", "--mapping", out / "mapping.toml")
     assert command("report", *reading, "--out", tmp_path / "report")[0] == 0
     assert not (out / "unfinished").exists()
+
+
+CAMERAS = orthogonal_cameras(scale=26 / mm, shape=(192, 192), distance=120 * mm)
+Z_DOWN = np.diag([1.0, -1.0, -1.0])
+
+
+@pytest.fixture(scope="module")
+def masks():
+    """(12, 3, 192, 192) silhouettes of a simulated flight, and its truth."""
+    made = example_flight(PLANFORM, pitch_axis=0.25, stroke_plane_angle=55 * deg)
+    return np.array(list(render_silhouettes(made.shape, made.truth[:12], CAMERAS))), made.truth[:12]
+
+
+def saved(folder, frames, cameras=CAMERAS, **more):
+    """A .npz file of silhouettes with the cameras' matrices in mm."""
+    matrices = np.array([camera.matrix * [mm, mm, mm, 1] for camera in cameras])
+    np.savez(folder / "film.npz", masks=np.asarray(frames), P=matrices, **more)
+    return folder / "film.npz"
+
+
+@pytest.fixture
+def tracked(command, tmp_path):
+    """Track a film: status, standard error, folder."""
+
+    def run(film, *options):
+        given = ("--cameras", film, "--camera-variable", "P", "--film-variable", "masks")
+        status, _, log = command("track", film, *given, "--out", tmp_path / "out", *options)
+        return status, log, tmp_path / "out"
+
+    return run
+
+
+def test_a_film_in_a_world_whose_z_points_down_comes_out_upright(tracked, masks, tmp_path):
+    frames, truth = masks
+    film = saved(tmp_path, frames, [camera.moved(Z_DOWN) for camera in CAMERAS])
+    status, log, out = tracked(film, "--up=-z", "--frame-rate", "8000", "--no-fit-sizes", "--format", "csv")
+    assert status == 0, log
+    found = np.genfromtxt(out / "recording.csv", delimiter=",", names=True)
+    assert np.max(np.abs(found["raw_yaw"] - truth.yaw)) < 2 * deg
+    assert np.max(np.abs(found["raw_pitch"] - truth.pitch)) < 2 * deg
+    assert np.max(np.abs(found["position_W_z"] - truth.position_W[:, 2])) < 1 / (26 / mm)
+    assert np.array_equal(found["frame"], np.arange(12))
+    assert "x, -y, -z of the calibration" in json.loads((out / "result.json").read_text())["world"]
+
+
+def test_some_frames_of_a_film_keep_their_numbers_and_times(tracked, masks, tmp_path):
+    film = saved(tmp_path, masks[0])
+    status, log, out = tracked(film, "--frame-rate", "8000", "--no-fit-sizes", "--frames", "3:7:2")
+    assert status == 0, log
+    with h5py.File(out / "recording.nc") as file:
+        assert list(file["frame"]) == [3, 5, 7]
+        assert np.allclose(file["time"], np.array([3, 5, 7]) / 8000, rtol=1e-12)
+    assert json.loads((out / "result.json").read_text())["frames"]["rate_hz"] == pytest.approx(4000)
+
+
+def test_a_fly_that_leaves_for_good_ends_with_status_3_and_says_when(tracked, masks, tmp_path):
+    gone = np.zeros((44, *masks[0].shape[1:]), dtype=bool)
+    status, log, out = tracked(saved(tmp_path, [*masks[0][:6], *gone]), "--frame-rate", "8000", "--no-fit-sizes")
+    found = json.loads((out / "result.json").read_text())
+    assert status == 3
+    assert "6 of 50 frames tracked, 40 bridged, 4 lost" in log
+    assert [(part["first"], part["last"], part["status"]) for part in found["unusual"]] == [
+        (6, 45, "bridged"), (46, 49, "lost")
+    ]  # fmt: skip
+    with h5py.File(out / "recording.nc") as file:
+        assert np.all(np.isnan(file["raw"][46:]))
+
+
+def test_films_that_cannot_be_tracked_are_refused_in_a_sentence_and_nothing_is_written(tracked, masks, tmp_path):
+    film, rate = saved(tmp_path, masks[0]), ("--frame-rate", "8000")
+    for options, words in (
+        ((), "--frame-rate is missing"),
+        (("--frame-rate", "8"), "8 frames a second"),
+        (("--frame-rate", "nan"), "nan frames a second"),
+        ((*rate, "--frames", "5:4"), "--frames is '5:4'"),
+        ((*rate, "--frames", "0:12"), "the films have the frames 0 to 11"),
+        ((*rate, "--unit", "m"), "m across"),
+        ((*rate, "--unit", "px"), "--unit"),
+        ((*rate, "--camera-variable", "Q"), "Q"),
+        ((*rate, "--cameras", "nowhere.csv"), "nowhere.csv"),
+        ((*rate, "--contrast", "-3"), "--contrast"),
+        ((*rate, "--up", "z up"), "--up must be one of"),
+    ):
+        status, log, out = tracked(film, *options)
+        assert (status, log.count("\n"), out.exists()) == (2, 1, False), log
+        assert words in log
+    for frames, words in (
+        (masks[0][:, :2], "3 cameras"),
+        (np.zeros_like(masks[0]), "shows none in any of them"),
+        (np.ones_like(masks[0]), "fills 100 % of the image"),
+        (np.roll(masks[0], 40, axis=-1), "do not fit the images"),
+    ):
+        status, log, out = tracked(saved(tmp_path, frames), *rate, "--silhouettes")
+        assert (status, log.count("\n"), out.exists()) == (2, 1, False), log
+        assert words in log

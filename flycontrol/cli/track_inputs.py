@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
+from glob import glob
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -122,8 +123,12 @@ def identity_of(given: TrackInputs, films: FilmOptions) -> str:
     told = (options, given.asked.fit_sizes, given.asked.refine, given.filmed.frames, given.check.sha256)
     total = hashlib.sha256(packing.to_bytes() + repr(told).encode())
     total.update(repr([repr(camera.distortion) for camera in given.filmed.cameras]).encode())
-    total.update(stamp_of([Path(name) for name in films.inputs]).encode())
+    total.update(stamp_of([path for name in films.inputs for path in _matching(name)]).encode())
     return total.hexdigest()
+
+
+def _matching(name: str) -> list[Path]:
+    return [Path(name)] if Path(name).exists() else sorted(Path(match) for match in glob(name, recursive=True))  # noqa: PTH207 (may be absolute)
 
 
 def _asked(fly: SourcedMorphology, which: FlyOptions, *, simulated: bool) -> Asked:
