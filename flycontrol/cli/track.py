@@ -37,7 +37,7 @@ def track(
         typer.Option(metavar="FILE", help="Calibration: DLT coefficients, matrices, easyWandData.mat, anipose's TOML."),
     ] = None,
     out: Annotated[
-        str, typer.Option(metavar="DIR", help="Folder for the recording, mapping.toml, cameras.toml and result.json.")
+        str, typer.Option(metavar="DIR", help="Folder for index.html, result.json, the recording and the cameras.")
     ] = "reports/track",
     frame_rate: Annotated[
         float | None, typer.Option(metavar="NUMBER", help="Frames a second, where the films do not say it.")
@@ -102,7 +102,7 @@ def track(
         int, typer.Option(min=1, max=1000, metavar="NUMBER", help="Of the simulated fly, where there is no INPUT.")
     ] = 10,
 ) -> None:
-    """Track a fly through calibrated films: position, attitude and both wings, frame by frame and smoothed.
+    """Track a fly through calibrated films: page, recording, summary and animation.
 
     Exit status 0: tracked; 2: refused, nothing written; 3: written, but the fly is lost in some frames.
 
@@ -147,7 +147,7 @@ def track(
         kept.remove()
     from flycontrol.report.tracked_result import status_sentence
 
-    ending = f"wrote {folder / 'result.json'} and what lies beside it in {time.perf_counter() - started:.1f} s"
+    ending = f"wrote {folder / 'index.html'} and what lies beside it in {time.perf_counter() - started:.1f} s"
     say(f"{status_sentence(flight.track)} {ending}")
     if "lost" in flight.track.status:
         raise typer.Exit(PARTLY_LOST)
@@ -159,12 +159,14 @@ def _tracked(
     """Track, then give all files their names together."""
     from flycontrol.io.tracked_mapping import RECORDING_NAMES
     from flycontrol.jobs.files import temporary_file
-    from flycontrol.report.tracked_files import write_tracked_files
+    from flycontrol.report.track_page import write_track_report
+    from flycontrol.report.tracked_files import files_beside_the_page
     from flycontrol.vision.flight_of_film import flight_of_film
 
     flight = flight_of_film(given.filmed, given.asked, given.check, kept, progress)
     with temporary_file(folder, RECORDING_NAMES[form]) as path:
-        write_tracked_files(flight, folder, path, form, given.origin(command), progress)
+        beside = files_beside_the_page(flight, folder, path, form, given.origin(command))
+        write_track_report(flight, given.filmed.footage, folder, beside, command=command, progress=progress)
     return flight
 
 

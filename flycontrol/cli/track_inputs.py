@@ -128,7 +128,9 @@ def identity_of(given: TrackInputs, films: FilmOptions) -> str:
 
 
 def _matching(name: str) -> list[Path]:
-    return [Path(name)] if Path(name).exists() else sorted(Path(match) for match in glob(name, recursive=True))  # noqa: PTH207 (may be absolute)
+    if Path(name).exists():
+        return [Path(name)]
+    return sorted(Path(match) for match in glob(name, recursive=True))  # noqa: PTH207 (a pattern may be absolute)
 
 
 def _asked(fly: SourcedMorphology, which: FlyOptions, *, simulated: bool) -> Asked:

@@ -1,4 +1,4 @@
-"""All files of a tracked flight: recording, mapping, cameras, result and page."""
+"""What lies beside the page of a tracked flight: recording, mapping, cameras and result."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ from flycontrol.errors import InvalidInputError
 from flycontrol.io.anipose import anipose_text, without_skew
 from flycontrol.io.tracked_mapping import RECORDING_NAMES, tracked_mapping
 from flycontrol.io.trajectory_files import TrajectoryFormat
-from flycontrol.jobs.files import write_files_atomically
-from flycontrol.jobs.progress import Progress, no_progress
+from flycontrol.report.track_page import ANIMATION
 from flycontrol.report.tracked_recording import write_tracked_recording
 from flycontrol.report.tracked_result import TrackOrigin, tracked_result_json, wingbeat_frequency
 from flycontrol.vision.tracked_flight import TrackedFlight
@@ -24,15 +23,10 @@ _WORDS = {
 }
 
 
-def write_tracked_files(
-    flight: TrackedFlight,
-    folder: Path,
-    recording: Path,
-    form: TrajectoryFormat,
-    origin: TrackOrigin,
-    progress: Progress = no_progress,
-) -> tuple[Path, ...]:
-    """Write everything into a folder, all or none.
+def files_beside_the_page(
+    flight: TrackedFlight, folder: Path, recording: Path, form: TrajectoryFormat, origin: TrackOrigin
+) -> dict[str, str | bytes | Path]:
+    """Write the recording, and make the files that shall get their names together with it.
 
     Parameters
     ----------
@@ -46,22 +40,20 @@ def write_tracked_files(
         Of the recording.
     origin
         Where the flight comes from.
-    progress
-        Told how far it is.
 
     Raises
     ------
     OutputError
-        If anything could not be written; earlier files stay as they were.
+        If the recording cannot be written.
     """
     name = RECORDING_NAMES[form]
     write_tracked_recording(recording, form, flight, str(folder / name))
     cameras, no_cameras = _anipose(flight)
     beside: dict[str, str | bytes | Path] = {name: recording, "mapping.toml": _mapping(flight, form), **cameras}
-    files = {file: _WORDS.get(file, "is the recording") for file in beside}
+    animated = {ANIMATION: "is the animation"} if len(flight.time) > 1 else {}
+    files = {"index.html": "is the page", **{file: _WORDS.get(file, "is the recording") for file in beside}, **animated}
     beside["result.json"] = tracked_result_json(flight, origin, files, no_cameras)
-    progress(len(flight.time), len(flight.time), "writing")
-    return write_files_atomically(folder, beside)
+    return beside
 
 
 def _mapping(flight: TrackedFlight, form: TrajectoryFormat) -> str:
