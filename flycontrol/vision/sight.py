@@ -47,7 +47,8 @@ class Sight:
 
 def sight_of(track: Track, frame_rate: float, longest_gap: int) -> Sight:
     """The frames of a track from one that was seen to another, without too long a gap [frames] between."""
-    seen = track.believed & np.isfinite(track.pose.coordinates).all(axis=1) & np.isfinite(track.uncertainty).all(axis=1)
+    known = np.isfinite(track.pose.coordinates) & np.isfinite(track.uncertainty) & (track.uncertainty > 0)
+    seen = np.asarray(track.believed, dtype=np.bool_) & known.all(axis=1)
     runs = _runs(seen, longest_gap)
     frames = np.concatenate([np.zeros(0, dtype=np.int_), *(np.arange(run.start, run.stop) for run in runs)])
     ends = np.cumsum([run.stop - run.start for run in runs], dtype=np.int_).tolist()

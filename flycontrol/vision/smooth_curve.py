@@ -15,7 +15,9 @@ from flycontrol.vision.noisy_spline import ORDER, NoisySpline, Posterior, Roughn
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
-_KAPPA = 2800.0  #: of lasting errors [1/s], as simulated flights at 8,000 frames a second show them (C)
+#: Of lasting errors [1/s]. In simulated flights at 8,000 frames a second those of the fitted fly agree by 0.85 to 0.98
+#: from one frame to the next, by 0.4 to 0.67 after four; this gives 0.95 and 0.59 (C).
+_KAPPA = 2800.0
 _DRIFT = 100.0  #: of what neighbouring frames share [1/s]: it changes within a few wingbeats (C)
 _FAR = 5.0  #: standard deviations from where the other frames expect a frame (C)
 _NEAR = 3  #: frames to each side

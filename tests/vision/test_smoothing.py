@@ -281,6 +281,14 @@ def test_too_few_frames_give_nothing(flight):
     found = smoothed(unseen(track, np.r_[7 : len(track)], "lost"), RATE)
     assert np.all(np.isnan(found.pose.coordinates))
     assert not found.set_aside.any()
+    assert len(smoothed(track_of(track.pose[:0]), RATE).pose) == 0
+
+
+def test_a_fly_that_does_not_move_has_rates_of_nought(flight):
+    found = smoothed(track_of(flight[0][np.zeros(100, dtype=int)]), RATE)
+    assert np.max(np.abs(found.rate) / found.rate_uncertainty) < 1e-3
+    assert np.max(np.abs(found.angular_velocity_B) / found.angular_velocity_uncertainty) < 1e-3
+    assert np.max(np.abs(apart(found.pose, flight[0][np.zeros(100, dtype=int)])) / SPREAD) < 1e-3
 
 
 def test_a_wing_that_is_wrong_in_a_few_frames_is_set_aside_and_counted(flight, smooth_flight):
