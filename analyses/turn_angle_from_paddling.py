@@ -331,8 +331,8 @@ def draw_turns(ax: "Axes", found: Findings) -> None:
         if turns:
             ax.plot([t.by_wing_speed / deg for t in turns], [t.angle / deg for t in turns], "D", color=RED,
                     markersize=4.5, fillstyle=style, label=name)  # fmt: skip
-    ax.set(xlabel="ω ∫ Δα dt [deg]", ylabel="turn angle [deg]", title="a", xlim=(-120, 170), ylim=(-120, 170))
-    ax.set(xticks=range(-100, 151, 50), yticks=range(-100, 151, 50))
+    ax.set(xlabel="ω ∫ Δα dt [deg]", ylabel="turn angle [deg]", title="a  turns against paddling")
+    ax.set(xlim=(-120, 170), ylim=(-120, 170), xticks=range(-100, 151, 50), yticks=range(-100, 151, 50))
     ax.legend(loc="upper left", fontsize=7, handlelength=1.6, borderaxespad=0.1, labelspacing=0.3)
 
 
@@ -347,8 +347,8 @@ def draw_shares(ax: "Axes", found: Findings) -> None:
     ax.plot(size, tethered, "o", color=DARK, markersize=5, label="yaw only")
     ax.plot(size, free, "s", color=ORANGE, markersize=4.5, fillstyle="none", label="free flight")
     ax.axhline(1.0, color=GREY, linewidth=0.7, linestyle=(0, (1, 2)))
-    ax.set(xlabel="amplitude of Δα [deg]", ylabel="turn angle / (γ/β) ∫ Δα dt", title="b", xlim=(0, 10),
-           ylim=(0.9, 1.16))  # fmt: skip
+    ax.set(xlabel="amplitude of Δα [deg]", ylabel="turn angle / (γ/β) ∫ Δα dt", title="b  what the line leaves",
+           xlim=(0, 10), ylim=(0.9, 1.16))  # fmt: skip
     ax.legend(loc="upper right", fontsize=7.5)
 
 
@@ -362,7 +362,7 @@ def draw_factors(ax: "Axes", found: Findings) -> None:
     names = ["Eq. 5", "slope of C_D", *(SHORT[one.name] for one in found.hover.gain.factors)]
     ax.set_xticks(range(len(names)), names, rotation=50, ha="right", fontsize=7.5)
     ax.axhline(1.0, color=GREY, linewidth=0.7, linestyle=(0, (1, 2)))
-    ax.set(ylabel="γ / (β ω)", title="c", ylim=(0.72, 1.78))
+    ax.set(ylabel="γ / (β ω)", title="c  the slope, part by part", ylim=(0.72, 1.78))
     ax.legend(loc="upper right", fontsize=7, handlelength=1.6)
 
 
@@ -379,8 +379,8 @@ def draw_halves(ax: "Axes", found: Findings) -> None:
     for level, color, text in ((model.half_life, DARK, "ln 2 I / β"), (free, ORANGE, "ln 2 I / β, free to roll")):
         ax.axhline(level / ms, color=color, linewidth=0.9, linestyle=(0, (4, 2)))
         ax.annotate(text, (0.89, level / ms), (0, 3), textcoords="offset points", ha="right", fontsize=7.5)
-    ax.set(xlabel="phase of the kick [wingbeats]", ylabel="until the yaw rate has halved [ms]", title="d",
-           xlim=(-0.03, 0.9), ylim=(0, 6))  # fmt: skip
+    ax.set(xlabel="phase of the kick [wingbeats]", ylabel="until the yaw rate has halved [ms]",
+           title="d  half-life by phase", xlim=(-0.03, 0.9), ylim=(0, 6))  # fmt: skip
     ax.legend(loc="lower left", fontsize=7.5)
 
 
