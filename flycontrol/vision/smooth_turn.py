@@ -13,7 +13,7 @@ from flycontrol.vision.smooth_curve import BoolArray, SmoothCurve, followed_curv
 
 FloatArray = NDArray[np.float64]
 
-#: Of what the moving reference follows [rad/s]. On simulated flights less than 100 changes nothing, and with 300 it takes
+#: Of what the moving reference follows [rad/s]. On simulated flights less than 100 changes nothing; with 300 it takes
 #: in errors of roll, which the bands then miss (C).
 _CORNER = 150.0
 _UPRIGHT = 0.01  #: cosine of pitch
