@@ -165,8 +165,9 @@ def _tracked(
 
     flight = flight_of_film(given.filmed, given.asked, given.check, kept, progress)
     with temporary_file(folder, RECORDING_NAMES[form]) as path:
-        beside = files_beside_the_page(flight, folder, path, form, given.origin(command))
-        write_track_report(flight, given.filmed.footage, folder, beside, command=command, progress=progress)
+        origin = given.origin(command)
+        beside = files_beside_the_page(flight, folder, path, form, origin)
+        write_track_report(flight, given.filmed.footage, folder, beside, origin=origin, progress=progress)
     return flight
 
 

@@ -134,7 +134,7 @@ def _panel(flight: TrackedFlight, frame: FilmedFrame, k: int, c: int, window: Wi
 
 def _write(draw: ImageDraw.ImageDraw, flight: TrackedFlight, k: int, filmed: bool) -> None:
     status = flight.track.status[k]
-    draw.text((6, 3), f"frame {k}   {flight.time[k] / ms:.2f} ms", fill=INK, font=_font(14))
+    draw.text((6, 3), f"frame {flight.numbers[k]}   {flight.time[k] / ms:.2f} ms", fill=INK, font=_font(14))
     words = status if filmed else f"{status}, no image"
     draw.text((200, 3), words, fill=INK if status == "tracked" else MARK, font=_font(14))
 

@@ -63,7 +63,7 @@ def _overlay(flight: TrackedFlight, chosen: ChosenFrame, overlay: FrameOverlay) 
             for value, camera in zip(seen, flight.cameras, strict=True)
         )
         caption += f" Overlap: {said}."
-    title = f"Frame {k}, {milliseconds(float(flight.time[k]), 2)}, {status}"
+    title = f"Frame {flight.numbers[k]}, {milliseconds(float(flight.time[k]), 2)}, {status}"
     return _page_figure(f"frame-{k}", frame_overlay(overlay), title, caption)
 
 
@@ -94,8 +94,9 @@ def _closely(
     flight: TrackedFlight, drawn: Curves, found: list[Span], piece: tuple[int, int], reversals: StrokeReversals
 ) -> PageFigure:
     much = "frames" if reversals.frequency is None else f"{CLOSELY} wingbeats"
+    first, last = flight.numbers[list(piece)]
     caption = (
-        f"The {much} over which the heading changes most: frames {piece[0]} to {piece[1]}, from "
+        f"The {much} over which the heading changes most: frames {first} to {last}, from "
         f"{milliseconds(float(flight.time[piece[0]]), 2)}."
     )
     return _page_figure(
@@ -146,9 +147,9 @@ def _rates(flight: TrackedFlight) -> PageFigure:
 
 
 def _hull(flight: TrackedFlight, seen: SeenHull) -> PageFigure:
-    parts = seen.voxels
+    parts, number = seen.voxels, flight.numbers[seen.frame]
     caption = (
-        f"Frame {seen.frame}, {flight.track.status[seen.frame]}: {sum(parts.values())} voxels with edges of "
+        f"Frame {number}, {flight.track.status[seen.frame]}: {sum(parts.values())} voxels with edges of "
         f"{fixed(seen.size / um, 0, 'µm')}, {parts[BODY_VOXELS]} of the body, {parts[LEFT]} of the left and "
         f"{parts[RIGHT]} of the right wing, {parts[REST]} of none. Lines are the fitted fly. Where no view looks along "
         "a surface, the hull keeps what nothing denies: it is thicker than the fly."
@@ -156,7 +157,7 @@ def _hull(flight: TrackedFlight, seen: SeenHull) -> PageFigure:
     if not seen.complete:
         caption += " Not every part has voxels enough to be found by itself."
     return _page_figure(
-        f"hull-{seen.frame}", hull_from_two_sides(seen), f"Hull of frame {seen.frame}, taken apart", caption
+        f"hull-{seen.frame}", hull_from_two_sides(seen), f"Hull of frame {number}, taken apart", caption
     )
 
 

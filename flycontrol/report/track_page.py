@@ -13,23 +13,25 @@ from flycontrol.report import track_words as words
 from flycontrol.report.numbers import ABSENT, fixed
 from flycontrol.report.page import template_environment, the_css
 from flycontrol.report.track_animation import FRAME_TIME, gif
-from flycontrol.report.track_beats import StrokeReversals, stroke_reversals
+from flycontrol.report.track_beats import stroke_reversals
 from flycontrol.report.track_figures import track_figures
-from flycontrol.report.track_provenance import track_provenance
+from flycontrol.report.track_provenance import TrackProvenance, track_provenance
 from flycontrol.report.track_second_look import SecondLook, second_look
 from flycontrol.report.track_truth import coordinate_errors
 from flycontrol.report.track_words import Row
+from flycontrol.report.tracked_result import TrackOrigin
 from flycontrol.vision.footage import Footage
 from flycontrol.vision.tracked_flight import TrackedFlight
 
 ANIMATION = "overlay.gif"
-_WORDS = {
-    "recording.h5": "holds the 18 coordinates with their uncertainties and derivatives (HDF5)",
-    "recording.nc": "holds the 18 coordinates with their uncertainties and derivatives (netCDF-4)",
-    "recording.csv": "holds the 18 coordinates with their uncertainties and derivatives",
-    "mapping.toml": "reads it back as a recording",
+WORDS = {
+    "recording.h5": "is the recording: the 18 coordinates, their uncertainties and derivatives (HDF5)",
+    "recording.nc": "is the recording: the 18 coordinates, their uncertainties and derivatives (netCDF-4)",
+    "recording.csv": "is the recording: the 18 coordinates, their uncertainties and derivatives",
+    "mapping.toml": "reads the recording, for flycontrol report and flycontrol fit",
+    "cameras.toml": "are the cameras as anipose keeps them, in this world, rows and columns at right angles, mm",
     "result.json": "holds the numbers unrounded, with the meaning and unit of each field",
-    "cameras.toml": "holds the cameras as anipose reads them",
+    "index.html": "is the page",
     ANIMATION: "is the animation",
 }
 
@@ -40,7 +42,7 @@ def write_track_report(
     folder: Path,
     beside: Mapping[str, str | bytes | Path],
     *,
-    command: str,
+    origin: TrackOrigin,
     progress: Progress = no_progress,
 ) -> tuple[Path, ...]:
     """Write index.html and the animation, and with them the files beside them, all or none.
@@ -55,8 +57,8 @@ def write_track_report(
         Where the files go.
     beside
         Recording, mapping, result and what else there is: texts, or paths of finished files in the folder.
-    command
-        That made this report, as it shall stand in its provenance.
+    origin
+        The command, and where the films come from, with their hashes.
     progress
         Told after every frame that was looked at again.
 
@@ -68,20 +70,20 @@ def write_track_report(
     reversals = stroke_reversals(flight)
     seen = second_look(flight, footage, reversals, progress)
     films: dict[str, str | bytes] = {ANIMATION: gif(seen.pictures)} if len(seen.pictures) > 1 else {}
-    files = {name: _WORDS.get(name, "lies beside this page") for name in (*beside, *films)}
-    made = {"index.html": track_page(flight, footage, reversals, seen, files, command)}
+    files = {name: WORDS.get(name, "lies beside this page") for name in (*beside, *films)}
+    made = {"index.html": track_page(flight, footage, seen, files, track_provenance(origin))}
     return write_files_atomically(folder, {**beside, **films, **made})
 
 
 def track_page(
     flight: TrackedFlight,
     footage: Footage,
-    reversals: StrokeReversals,
     seen: SecondLook,
     files: Mapping[str, str],
-    command: str,
+    origin: TrackProvenance,
 ) -> str:
     """Render the page; all but the animation is in it."""
+    reversals = stroke_reversals(flight)
     environment = template_environment()
     figures = track_figures(flight, reversals, seen.survey, seen.overlays, seen.hulls)
     believed = int(np.count_nonzero(flight.track.believed))
@@ -106,7 +108,7 @@ def track_page(
         size_rows=words.size_rows(flight),
         error_rows=_error_rows(flight),
         files=files,
-        origin=track_provenance(command),
+        origin=origin,
     )
 
 

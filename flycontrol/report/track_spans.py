@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import get_args
 
-from flycontrol.vision.tracked_frame import Status, Track
-
-STATUSES: tuple[Status, ...] = get_args(Status)
+from flycontrol.vision.tracked_frame import STATUSES, Status, Track
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -11,15 +11,16 @@ from flycontrol.model.camera import Camera
 from flycontrol.model.camera_forms import pinhole_of
 from flycontrol.report.numbers import counted, fixed, milliseconds, sentence
 from flycontrol.report.track_beats import StrokeReversals
-from flycontrol.report.track_spans import STATUSES, spans, tally
+from flycontrol.report.track_spans import Span, spans, tally
 from flycontrol.units import deg, mm
 from flycontrol.vision.tracked_flight import TrackedFlight
+from flycontrol.vision.tracked_frame import STATUSES
 
 FloatArray = NDArray[np.float64]
 
 STATUS_MEANING = {
     "tracked": "seen in every view, and believed",
-    "partial": "seen and believed, but a silhouette reaches the border of its image",
+    "partial": "seen and believed, but a silhouette reaches the border of its image, or another animal is in view",
     "bridged": "not believed, or not to be seen: expected from the frames before, with growing uncertainty",
     "lost": "bridged for too long: no coordinates",
 }
@@ -53,6 +54,8 @@ def lead(flight: TrackedFlight, reversals: StrokeReversals) -> list[str]:
         sentences.append(f"The wings beat at {fixed(reversals.frequency, 1, 'Hz')}.")
     residual = flight.check.residual
     sentences.append(f"The cameras and the silhouettes agree to {fixed(residual, 2, 'px')} across the epipolar planes.")
+    if flight.doubt:
+        sentences.append(f"{sentence(flight.doubt).rstrip('.')}.")
     return sentences
 
 
@@ -119,7 +122,7 @@ def span_rows(flight: TrackedFlight) -> list[Row]:
     found = [span for span in spans(flight.track) if span.status != "tracked"]
     rows = [
         Row(
-            str(span.first) if len(span) == 1 else f"{span.first}–{span.last}",
+            _numbers(flight, span),
             (
                 milliseconds(float(flight.time[span.first]), 2),
                 str(len(span)),
@@ -134,6 +137,11 @@ def span_rows(flight: TrackedFlight) -> list[Row]:
         frames = sum(len(span) for span in left)
         rows.append(Row("later", ("", str(frames), "", f"{counted(len(left), 'more range')}, in the files")))
     return rows
+
+
+def _numbers(flight: TrackedFlight, span: Span) -> str:
+    first, last = flight.numbers[[span.first, span.last]]
+    return str(first) if len(span) == 1 else f"{first}–{last}"
 
 
 def _method(flight: TrackedFlight) -> str:

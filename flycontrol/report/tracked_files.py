@@ -10,17 +10,12 @@ from flycontrol.errors import InvalidInputError
 from flycontrol.io.anipose import anipose_text, without_skew
 from flycontrol.io.tracked_mapping import RECORDING_NAMES, tracked_mapping
 from flycontrol.io.trajectory_files import TrajectoryFormat
-from flycontrol.report.track_page import ANIMATION
+from flycontrol.report.track_page import ANIMATION, WORDS
 from flycontrol.report.tracked_recording import write_tracked_recording
 from flycontrol.report.tracked_result import TrackOrigin, tracked_result_json, wingbeat_frequency
 from flycontrol.vision.tracked_flight import TrackedFlight
 
 _ABOUT = 2e-3  #: around the flight, where the cameras of `cameras.toml` are to agree with those of the calibration [m]
-
-_WORDS = {
-    "mapping.toml": "reads the recording, for flycontrol report and flycontrol fit",
-    "cameras.toml": "are the cameras as anipose keeps them, in this world, rows and columns at right angles, mm",
-}
 
 
 def files_beside_the_page(
@@ -50,8 +45,8 @@ def files_beside_the_page(
     write_tracked_recording(recording, form, flight, str(folder / name))
     cameras, no_cameras = _anipose(flight)
     beside: dict[str, str | bytes | Path] = {name: recording, "mapping.toml": _mapping(flight, form), **cameras}
-    animated = {ANIMATION: "is the animation"} if len(flight.time) > 1 else {}
-    files = {"index.html": "is the page", **{file: _WORDS.get(file, "is the recording") for file in beside}, **animated}
+    animated = (ANIMATION,) if len(flight.time) > 1 else ()
+    files = {file: WORDS[file] for file in ("index.html", *beside, *animated)}
     beside["result.json"] = tracked_result_json(flight, origin, files, no_cameras)
     return beside
 

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from flycontrol.model.camera import Camera
 from flycontrol.model.pose import COORDINATES, Pose
-from flycontrol.model.wingbeats import FEWEST_WINGBEATS, SMALLEST_STROKE, dominant_frequency
 from flycontrol.report.result import finite
+from flycontrol.report.track_beats import stroke_reversals
 from flycontrol.units import deg, mm, um
 from flycontrol.vision.calibration_check import CalibrationCheck
 from flycontrol.vision.tracked_flight import TrackedFlight
@@ -43,7 +43,7 @@ FIELDS: dict[str, str] = {
     "unusual[].last": "of its last frame",
     "unusual[].status": "partial, bridged or lost",
     "unusual[].reason": "a sentence",
-    "wingbeat_frequency_hz": "of the stroke; null where fewer than three wingbeats were seen",
+    "wingbeat_frequency_hz": "of the stroke; from reversal to reversal; null where no whole wingbeat was seen",
     "world": "how the world of this file lies in that of the calibration",
     "cameras[].name": "of a camera",
     "cameras[].rows": "of its images",
@@ -136,15 +136,8 @@ def status_sentence(track: Track) -> str:
 
 
 def wingbeat_frequency(flight: TrackedFlight) -> float | None:
-    """Of the mean stroke of both wings in the longest stretch without a gap [1/s]; None if that has no three beats."""
-    stroke = flight.smoothed.pose.coordinates[:, [6, 9]].mean(axis=1)
-    known = np.isfinite(stroke)
-    runs = [list(run) for is_known, run in groupby(range(len(stroke)), key=lambda k: bool(known[k])) if is_known]
-    longest = stroke[max(runs, key=len)] if runs else np.empty(0)
-    if len(longest) < 8 or np.ptp(longest) < SMALLEST_STROKE:
-        return None
-    frequency = dominant_frequency(longest, flight.frame_rate)
-    return frequency if len(longest) / flight.frame_rate * frequency >= FEWEST_WINGBEATS else None
+    """Of the mean stroke of both wings in the longest stretch without a gap [1/s]; None without a whole wingbeat."""
+    return stroke_reversals(flight).frequency
 
 
 def unusual_stretches(flight: TrackedFlight) -> list[dict[str, Any]]:

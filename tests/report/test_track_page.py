@@ -27,9 +27,14 @@ from flycontrol.report.track_spans import spans, tally
 from flycontrol.report.track_truth import coordinate_errors
 from flycontrol.report.track_views import Window, part_masks, seen_in
 from flycontrol.report.track_words import median_overlap, status_rows
+from flycontrol.report.tracked_result import TrackOrigin
 from flycontrol.units import deg
 from flycontrol.vision.render import render_silhouettes
 
+ORIGIN = TrackOrigin(
+    command="flycontrol track", films=("view.npz",), images_sha256="a1" * 32, cameras=None, cameras_sha256=None,
+    fly="some_fly.toml", fly_sha256="f1" * 32,
+)  # fmt: skip
 MIXED = ("tracked", "tracked", "bridged", "bridged", "tracked", "partial", "lost", "lost")
 
 
@@ -44,8 +49,16 @@ def looked(mixed):
     return second_look(flight, footage, stroke_reversals(flight))
 
 
+@pytest.fixture(scope="module")
+def written(tmp_path_factory, mixed):
+    """Folder of a report on frames of every status."""
+    folder = tmp_path_factory.mktemp("track") / "report"
+    page_of(folder, *mixed, **{"result.json": "{}"})
+    return folder
+
+
 def page_of(folder, flight, footage, **beside):
-    write_track_report(flight, footage, folder, beside, command="flycontrol track")
+    write_track_report(flight, footage, folder, beside, origin=ORIGIN)
     return (folder / "index.html").read_text()
 
 
@@ -66,9 +79,9 @@ def test_every_frame_is_counted_in_some_status(mixed):
     assert sum(each) == total == len(flight.track)
 
 
-def test_the_page_tells_the_flights_numbers(tmp_path, mixed):
-    flight, footage = mixed
-    outline = well_formed(page_of(tmp_path, flight, footage, **{"result.json": "{}"}))
+def test_the_page_tells_the_flights_numbers(written, mixed):
+    flight, _ = mixed
+    outline = well_formed((written / "index.html").read_text())
     assert "3 of 8 frames are tracked" in outline.text
     assert "1 partial, 2 bridged and 2 lost" in outline.text
     assert f"{100 * median_overlap(flight):.1f}" in outline.text
@@ -80,10 +93,11 @@ def test_the_page_tells_the_flights_numbers(tmp_path, mixed):
     assert "2–3" in outline.text
     assert "the silhouette is empty" in outline.text
     assert "result.json" in outline.text
+    assert all(word in outline.text for word in (ORIGIN.command, ORIGIN.images_sha256, ORIGIN.fly_sha256))
 
 
-def test_every_figure_is_numbered_in_the_order_of_the_page_and_is_read_aloud(tmp_path, mixed):
-    text = page_of(tmp_path, *mixed)
+def test_every_figure_is_numbered_in_the_order_of_the_page_and_is_read_aloud(written):
+    text = (written / "index.html").read_text()
     numbers = [int(number) for number in re.findall(r"<b>Figure (\d+)\.", text)]
     assert numbers == list(range(1, len(numbers) + 1))
     tables = [int(number) for number in re.findall(r"Table (\d+)\.", text)]
@@ -94,17 +108,16 @@ def test_every_figure_is_numbered_in_the_order_of_the_page_and_is_read_aloud(tmp
     assert all(re.search(r'alt="[^"]+"', image) for image in re.findall(r"<img [^>]*>", text))
 
 
-def test_the_page_loads_nothing_from_elsewhere(tmp_path, mixed):
-    text = page_of(tmp_path, *mixed)
+def test_the_page_loads_nothing_from_elsewhere(written):
+    text = (written / "index.html").read_text()
     assert not re.search(r"https?://|<script|<link", text)
     assert set(re.findall(r'src="([^"]+)"', text)) == {"overlay.gif"}
 
 
-def test_the_same_flight_gives_the_same_bytes(tmp_path, mixed):
-    for name in ("one", "two"):
-        page_of(tmp_path / name, *mixed)
+def test_the_same_flight_gives_the_same_bytes(tmp_path, written, mixed):
+    page_of(tmp_path, *mixed, **{"result.json": "{}"})
     for file in ("index.html", "overlay.gif"):
-        assert (tmp_path / "one" / file).read_bytes() == (tmp_path / "two" / file).read_bytes()
+        assert (tmp_path / file).read_bytes() == (written / file).read_bytes()
 
 
 @pytest.mark.parametrize(
