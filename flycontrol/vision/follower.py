@@ -16,8 +16,9 @@ from flycontrol.vision.belief import NO_DOUBTS, Judged, judged
 from flycontrol.vision.first_pose import MARGIN, Masks, fine_hull
 from flycontrol.vision.fit_shape import FitShape, fit_shape
 from flycontrol.vision.fly_shape import FlyShape
+from flycontrol.vision.hull import VisualHull
 from flycontrol.vision.hull_stance import stance_of_hull
-from flycontrol.vision.prediction import drifted, expectations, tempered, unseen_wing
+from flycontrol.vision.prediction import drifted, expectations, unseen_wing
 from flycontrol.vision.second_look import SecondLook, with_wing
 from flycontrol.vision.silhouette_fit import Agreement, SilhouetteFit, agreement, silhouette_cost
 from flycontrol.vision.soft_silhouette import BorderDistance, border_distance
@@ -74,7 +75,8 @@ class Follower:
         if found is None:
             return self._bridged("the silhouettes contradict one another: their hull is not a whole fly", None)
         seen = found.fit.agreement
-        if found.doubts[0] or seen.cost > _WRONG * self._usual(seen.cost) or np.min(seen.precision) < _LEAST_PRECISION:
+        wrong = (_WRONG if self.refine else _STRANGE) * self._usual(seen.cost)
+        if found.doubts[0] or seen.cost > wrong or np.min(seen.precision) < _LEAST_PRECISION:
             return self._bridged(found.doubts[0] or "no stance near the expected one fits these silhouettes", seen)
         return self._believed(found, masks)
 
@@ -96,7 +98,7 @@ class Follower:
             others = [*look.twisted(best.fit.stance)]
             hull = fine_hull(masks, self.cameras, shape)
             if len(hull):
-                read = stance_of_hull(hull, expected, self.fly.shape, self.fly.stroke_plane_angle)
+                read = stance_of_hull(hull, expected, self.fly.shape, self.fly.stroke_plane_angle, look.cost)
                 others.append(look.near(read.stance))
             best = self._best([best.fit, *others], border, shape)
         for side in (0, 1):
@@ -113,23 +115,34 @@ class Follower:
         return bool(found.doubts[0]) or cost >= _STRANGE * self._usual(np.inf if not self.costs else cost)
 
     def _read(self, masks: Masks, border: BorderDistance, shape: FitShape) -> Judged | None:
-        expected = self._expected(shape)
-        hull = fine_hull(masks, self.cameras, shape)
+        hull, look = fine_hull(masks, self.cameras, shape), self._look(border, shape, self._expected(shape))
+        found = self._read_from(look.expected, hull, look)
+        if len(hull) and (found is None or found.agreement.cost > _STRANGE * self._usual(found.agreement.cost)):
+            lost = look.guessed(look.guessed(look.expected, 0), 1)
+            again = [found, *(self._read_from(seed, hull, look) for seed in (self.past[-1], lost))]
+            found = min((each for each in again if each), key=lambda each: each.agreement.cost, default=None)
+        if found is None:
+            return None
+        return Judged(fit=found, doubts=NO_DOUBTS, missed=np.zeros(len(self.cameras)))
+
+    def _read_from(self, seed: Stance, hull: VisualHull, look: SecondLook) -> SilhouetteFit | None:
         if not len(hull):
             return None
-        read = stance_of_hull(hull, expected, self.fly.shape, self.fly.stroke_plane_angle)
+        read = stance_of_hull(hull, seed, self.fly.shape, self.fly.stroke_plane_angle, look.cost)
         if not read.dissection.complete:
             return None
-        seen = agreement(border, shape, read.stance)
-        fit = SilhouetteFit(
+        seen = agreement(look.border, look.shape, read.stance)
+        return SilhouetteFit(
             stance=read.stance, covariance=read.covariance, agreement=seen, converged=True, iterations=0
         )
-        return Judged(fit=fit, doubts=NO_DOUBTS, missed=np.zeros(len(self.cameras)))
+
+    def _look(self, border: BorderDistance, shape: FitShape, expected: Stance) -> SecondLook:
+        return SecondLook(border=border, shape=shape, stroke_plane_angle=self.fly.stroke_plane_angle, expected=expected)
 
     def _believed(self, found: Judged, masks: Masks) -> TrackedFrame:
         shape = fit_shape(self.fly.shape)
         fit = self._without_doubted(found, shape)
-        self.past.append(fit.stance if self.refine else tempered(self.past[-1], fit.stance, shape.bases_B))
+        self.past.append(fit.stance)
         if not any(found.doubts):
             self.costs.append(fit.agreement.cost)
             self.missed_before.append(found.missed)
@@ -167,7 +180,7 @@ class Follower:
         return covariance
 
     def _expected(self, shape: FitShape) -> Stance:
-        return expectations(list(self.past)[-2:], shape.bases_B)[0]
+        return expectations(list(self.past)[-2:], shape.bases_B, rolling=self.refine)[0]
 
     def _bridged(self, reason: str, seen: Agreement | None) -> TrackedFrame:
         self.unseen += 1

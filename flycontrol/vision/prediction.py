@@ -17,19 +17,21 @@ FloatArray = NDArray[np.float64]
 _DRIFT_MOVE, _DRIFT_TURN, _DRIFT_WING, _DRIFT_BASE = 0.02 * mm, 1 * deg, 8 * deg, 0.005 * mm
 
 
-def expectations(past: Sequence[Stance], bases_B: FloatArray) -> list[Stance]:
+def expectations(past: Sequence[Stance], bases_B: FloatArray, *, rolling: bool = True) -> list[Stance]:
     """x_n + v, and x_n + 2 v - v' of the step v before and v' before that; the wings' bases where the shape has them.
 
     Parameters
     ----------
     past : the last stances, one to three of them, the newest last
     bases_B : (2, 3) [m]
+    rolling : whether the body's turn about its long axis goes on; it is no use where that is known roughly
     """
     now = replace(past[-1], bases_B=bases_B)
     if len(past) == 1:
         return [now]
     step = step_between(past[-2], past[-1])
     step[BASE_MOVE[0].start :] = 0.0
+    step[TURN.start] *= rolling
     steady = stepped(now, step)
     if len(past) == 2:
         return [steady]
@@ -57,12 +59,3 @@ def unseen_wing(covariance: FloatArray, before: FloatArray, side: int) -> FloatA
     found[columns, :], found[:, columns] = 0.0, 0.0
     found[np.ix_(columns, columns)] = grown[np.ix_(columns, columns)]
     return found
-
-
-def tempered(seed: Stance, read: Stance, bases_B: FloatArray) -> Stance:
-    """The stance read off a hull, its roll only a fifth of the way from the seed's: wing bases are read roughly."""
-    step = step_between(seed, read)
-    step[TURN.start] *= 0.2
-    turned = stepped(seed, step)
-    wings = np.stack([turned.body_axes_W.T @ read.wing_axes_W(k) for k in (0, 1)])
-    return replace(turned, wings_B=wings, bases_B=bases_B)

@@ -16,7 +16,7 @@ from flycontrol.vision.stance import WING_TURN, Stance, step_between
 from flycontrol.vision.wing_grid import wing_grid
 
 _TWIST = 55 * deg  #: by which a wing is turned about its span
-_COARSE = 4.0  #: softness of the search [px]
+_COARSE, _BLURRED = 4.0, 2.0  #: softness of the search, and of choices between what a hull allows [px]
 _KEPT, _APART = 3, 30 * deg  #: places of a wing that are fitted, so far apart in one turn at least
 #: A wing that was lost may be anywhere.
 _LOOSE = Leash(wing=180 * deg)
@@ -40,14 +40,25 @@ class SecondLook:
 
     def elsewhere(self, stance: Stance, side: int) -> Iterator[SilhouetteFit]:
         """Fits with the left (0) or right (1) wing looked for everywhere, body and other wing as they are."""
-        guesses = [
-            with_wing(stance, side, wings[side]) for wings in wing_grid(self.shape, self.stroke_plane_angle)
-        ]  # fmt: skip
-        order = np.argsort([silhouette_cost(self.border, self.shape, guess, _COARSE) for guess in guesses])
-        for guess in _different([guesses[k] for k in order], side):
+        for guess in _different(self._guesses(stance, side), side):
             yield fit_silhouettes(
                 self.border, self.shape, guess, expected=self.expected, leash=_LOOSE, softness=(_COARSE, 2.0, 1.0)
             )
+
+    def guessed(self, stance: Stance, side: int) -> Stance:
+        """The stance with one wing where it fits best, by a glance at every place."""
+        return self._guesses(stance, side)[0]
+
+    def _guesses(self, stance: Stance, side: int) -> list[Stance]:
+        """The likeliest first."""
+        grid = wing_grid(self.shape, self.stroke_plane_angle)
+        guesses = [stance, *(with_wing(stance, side, wings[side]) for wings in grid)]
+        order = np.argsort([silhouette_cost(self.border, self.shape, guess, _COARSE) for guess in guesses])
+        return [guesses[k] for k in order]
+
+    def cost(self, stance: Stance) -> float:
+        """How badly a stance fits the silhouettes, roughly."""
+        return silhouette_cost(self.border, self.shape, stance, _BLURRED)
 
     def near(self, start: Stance) -> SilhouetteFit:
         """The fit from another start."""

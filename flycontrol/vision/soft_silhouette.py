@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,7 @@ class BorderDistance:
     distance: FloatArray  #: (C, V, U) [px]; far outside where a crop is smaller than the array
     corner: FloatArray  #: (C, 2) u, v of each crop's first pixel
     extent: NDArray[np.int64]  #: (C, 2) columns and rows of each crop
+    _made: dict[float, FloatArray] = field(default_factory=dict[float, FloatArray], init=False, repr=False)
 
     @property
     def image(self) -> FloatArray:
@@ -30,8 +31,10 @@ class BorderDistance:
         return np.array([camera.shape[::-1] for camera in self.cameras], dtype=np.float64)
 
     def softened(self, softness: float) -> FloatArray:
-        """1 / (1 + exp(D / s)), (C, V, U), of a softness s [px]."""
-        return np.asarray(expit(-self.distance / softness))
+        """1 / (1 + exp(D / s)), (C, V, U), of a softness s [px]; made once."""
+        if softness not in self._made:
+            self._made[softness] = np.asarray(expit(-self.distance / softness))
+        return self._made[softness]
 
 
 def border_distance(views: Views, margin: int) -> BorderDistance:

@@ -12,16 +12,16 @@ _SAME_WAY = np.cos(np.radians(30.0))  #: diagonals nearer to each other than thi
 _RIVAL = 0.75  #: of the longest diagonal: a shorter one is no chord (C)
 
 
-def diagonal(section: FloatArray, expected: FloatArray) -> FloatArray | None:
-    """Unit vector (2,) along the diagonal of points (N, 2) that is the chord, on the side of the expected one (2,).
+def diagonals(section: FloatArray) -> list[FloatArray]:
+    """Unit vectors (2,) along the one or two diagonals of points (N, 2) of which one is the chord, the longest first.
 
     A plate seen by few cameras has a parallelogram for the cross-section of its hull, and the plate is one of the two
-    diagonals, mostly the longer one. Where both are about as long, the one nearer to the expected chord is taken. None
-    if the points lie on a line or are too few.
+    diagonals, mostly the longer one; where both are about as long, it may be either. None if the points lie on a line
+    or are too few.
     """
     corners = _corners(section)
     if corners is None:
-        return None
+        return []
     ways = corners[:, None] - corners[None]
     lengths = np.linalg.norm(ways, axis=2)
     first = np.unravel_index(int(np.argmax(lengths)), lengths.shape)
@@ -29,8 +29,19 @@ def diagonal(section: FloatArray, expected: FloatArray) -> FloatArray | None:
     other = np.abs(ways @ best) < _SAME_WAY * lengths
     second = np.unravel_index(int(np.argmax(np.where(other, lengths, 0.0))), lengths.shape)
     if other[second] and lengths[second] > _RIVAL * lengths[first]:
-        rival = ways[second] / lengths[second]
-        best = rival if abs(rival @ expected) > abs(best @ expected) else best
+        return [best, ways[second] / lengths[second]]
+    return [best]
+
+
+def diagonal(section: FloatArray, expected: FloatArray) -> FloatArray | None:
+    """Unit vector (2,) along the diagonal of points (N, 2) that is the chord, on the side of the expected one (2,).
+
+    Where two diagonals are about as long, the one nearer to the expected chord is taken. None where there is none.
+    """
+    found = diagonals(section)
+    if not found:
+        return None
+    best = max(found, key=lambda way: abs(way @ expected)) if len(found) > 1 else found[0]
     return best if best @ expected >= 0 else -best
 
 

@@ -1,6 +1,9 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from filmed_flights import BARE, CAMERAS, SCALE, STROKE_PLANE, WITH_LEGS, apart, drawn, turning_flight
+from scipy.spatial.transform import Rotation
 
 from flycontrol.units import deg
 from flycontrol.vision.dissection import BODY, LEFT, REST, RIGHT, dissect
@@ -8,12 +11,20 @@ from flycontrol.vision.first_pose import fine_hull
 from flycontrol.vision.fit_shape import fit_shape
 from flycontrol.vision.hull_stance import stance_of_hull
 from flycontrol.vision.render import render_silhouettes
-from flycontrol.vision.stance import pose_of, stances_of
+from flycontrol.vision.silhouette_fit import silhouette_cost
+from flycontrol.vision.soft_silhouette import border_distance
+from flycontrol.vision.stance import TURN, pose_of, stances_of, step_between
+from flycontrol.vision.views import views_of
 from flycontrol.vision.wing_chord import diagonal
 
 POSE = turning_flight(1)[2::6]
 STANCES = stances_of(POSE)
 SHAPE = fit_shape(BARE)
+
+
+def cost_before(masks):
+    border = border_distance(views_of(masks, CAMERAS), 20)
+    return lambda stance: silhouette_cost(border, SHAPE, stance, 2.0)
 
 
 @pytest.fixture(scope="module")
@@ -48,14 +59,26 @@ def test_a_hull_without_wings_is_not_dissected_into_three(hulls):
 
 
 def test_a_hull_gives_back_the_body_and_most_of_the_wings(hulls):
-    """The method's own publication states 5 deg; between wing and body a hull errs by more at some phases."""
+    """The method's own publication states 5 deg; where wings meet a hull errs by more."""
     read = [
-        stance_of_hull(hull, stance, BARE, STROKE_PLANE).stance for hull, stance in zip(hulls, STANCES, strict=True)
+        stance_of_hull(hull, stance, BARE, STROKE_PLANE, cost_before(masks)).stance
+        for hull, stance, masks in zip(hulls, STANCES, drawn(POSE), strict=True)
     ]
     away = np.abs(apart(pose_of(read, STROKE_PLANE), POSE))
     assert np.max(away[:, :3]) < 4 / SCALE
     assert np.median(away[:, 3:5]) < 3 * deg
-    assert np.median(away[:, 6:12]) < 10 * deg
+    assert np.median(away[:, 6:12]) < 5 * deg
+
+
+def test_roll_is_read_off_the_lines_of_the_wings_and_not_off_where_they_seem_to_end(hulls):
+    """A seed rolled wrongly by 8 deg is brought back where both wings are seen well."""
+    turn = Rotation.from_rotvec([8 * deg, 0.0, 0.0]).as_matrix()
+    better = 0
+    for hull, stance, masks in zip(hulls, STANCES, drawn(POSE), strict=True):
+        rolled = replace(stance, body_axes_W=stance.body_axes_W @ turn, wings_B=turn.T @ stance.wings_B)
+        read = stance_of_hull(hull, rolled, BARE, STROKE_PLANE, cost_before(masks)).stance
+        better += abs(step_between(stance, read)[TURN][0]) < 8 * deg
+    assert better >= len(hulls) - 1
 
 
 def test_the_chord_of_a_parallelogram_is_the_longer_diagonal_and_near_a_square_the_expected_one():
