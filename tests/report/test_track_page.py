@@ -28,7 +28,7 @@ from flycontrol.report.track_truth import coordinate_errors
 from flycontrol.report.track_views import Window, part_masks, seen_in
 from flycontrol.report.track_words import median_overlap, status_rows
 from flycontrol.report.tracked_result import TrackOrigin
-from flycontrol.units import deg
+from flycontrol.units import deg, ms
 from flycontrol.vision.render import render_silhouettes
 
 ORIGIN = TrackOrigin(
@@ -158,6 +158,17 @@ def test_figures_have_units_and_no_text_overlaps(mixed, looked):
         assert not overlapping_texts(figure)
     for _, overlay in looked.overlays:
         assert not texts_outside(frame_overlay(overlay))
+
+
+def test_a_long_flight_is_looked_through_in_part_and_drawn_whole():
+    flight, footage = tracked_flight(150)
+    looked = second_look(flight, footage, stroke_reversals(flight))
+    assert len(looked.survey.frames) == len(looked.pictures) == 120
+    assert (looked.survey.frames[0], looked.survey.frames[-1]) == (0, 149)
+    strip, overlap, _, covered = agreement_over_time(flight, looked.survey, spans(flight.track)).axes
+    assert strip.get_xlim()[1] > flight.time[-1] / ms
+    assert [len(line.get_xdata()) for line in overlap.lines] == [150] * 3
+    assert [len(line.get_xdata()) for line in covered.lines] == [120] * 3
 
 
 def test_frames_looked_at_are_those_of_their_rules(mixed):

@@ -50,11 +50,14 @@ def agreement_over_time(flight: TrackedFlight, survey: Survey, spans: Sequence[S
     strip, *panels = figure.subplots(4, 1, sharex=True, height_ratios=[0.5, 1, 1, 1])
     time = flight.time / ms
     _strip(strip, time, spans)
-    values = (flight.track.overlap, flight.track.precision, survey.coverage)
-    labels = ("overlap [%]", "precision [%]", "covered by\nthe hull [%]")
-    for ax, value, label in zip(panels, values, labels, strict=True):
+    every = np.arange(len(time))
+    rows = (
+        ("overlap [%]", flight.track.overlap, every),
+        ("precision [%]", flight.track.precision, every),
+        ("covered by\nthe hull [%]", survey.coverage, survey.frames),
+    )
+    for ax, (label, value, at) in zip(panels, rows, strict=True):
         shade(ax, time, spans)
-        at = survey.frames if value is survey.coverage else np.arange(len(time))
         for c, line in enumerate(_lines(flight)):
             ax.plot(*drawn_line(time[at], 100 * value[:, c]), **line, **_dots(len(at)))
         ax.set_ylabel(label)
