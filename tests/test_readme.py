@@ -32,9 +32,19 @@ def test_a_fit_from_python_takes_five_lines_and_holds_the_truth(tmp_path, monkey
 
 
 def test_the_commands_of_the_readme_have_only_options_that_exist():
-    lines = [line for line in README.splitlines() if re.match(r"flycontrol (fit|example) ", line)]
-    assert len(lines) == 2
+    lines = [line for line in README.splitlines() if re.match(r"flycontrol (fit|example|track) ", line)]
+    assert len(lines) == 3
     for line in lines:
         words = shlex.split(line)
         shown = CliRunner().invoke(app, [words[1], "--help"]).output
         assert all(word in shown for word in words if word.startswith("--"))
+
+
+def test_a_fly_is_tracked_from_python_as_printed():
+    (block,) = [b for b in re.findall(r"^```python\n(.*?)^```$", README, re.MULTILINE | re.DOTALL) if "track(" in b]
+    names, printed = {}, io.StringIO()
+    with contextlib.redirect_stdout(printed):
+        exec(compile(block, "README.md", "exec"), names)
+    away = names["motion"].pose.yaw - names["filmed"].truth.yaw
+    assert names["found"].believed.all()
+    assert abs(away).max() < 0.05

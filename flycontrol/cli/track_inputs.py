@@ -95,7 +95,7 @@ def track_inputs(films: FilmOptions, which: FlyOptions) -> TrackInputs:
     if films.inputs:
         filmed, notes = _filmed(films)
     else:
-        filmed = _simulated(films, asked, fly)
+        filmed = _simulated(films, asked)
     check = checked_footage(filmed.footage, filmed.cameras, fly.morphology.wing_length)
     return TrackInputs(
         filmed=filmed,
@@ -136,11 +136,10 @@ def _matching(name: str) -> list[Path]:
 def _asked(fly: SourcedMorphology, which: FlyOptions, *, simulated: bool) -> Asked:
     from flycontrol.io.quantities import ANGLE, LENGTH, read_quantity
     from flycontrol.units import mm
-    from flycontrol.vision.fly_shape import fly_shape
-    from flycontrol.vision.follower import Fly
+    from flycontrol.vision.flies import fly_of
     from flycontrol.vision.tracked_film import Asked
 
-    found, angle, length = fly.morphology, fly.morphology.stroke_plane_angle, None
+    found, angle, length = fly.morphology, None, None
     if which.stroke_plane_angle is not None:
         angle = read_quantity(which.stroke_plane_angle, ANGLE, key="--stroke-plane-angle").value
     if which.body_length is not None:
@@ -150,30 +149,20 @@ def _asked(fly: SourcedMorphology, which: FlyOptions, *, simulated: bool) -> Ask
                 f"--body-length is {which.body_length}, but the wings of {found.species} are "
                 f"{found.wing_length / mm:.3g} mm long; a fly's body is about as long as a wing."
             )
-    shape = fly_shape(found.planform, body_length=length, pitch_axis=found.pitch_axis)
+    followed = fly_of(found, body_length=length, stroke_plane_angle=angle)
     fit = not simulated if which.fit_sizes is None else which.fit_sizes
-    return Asked(fly=Fly(shape=shape, stroke_plane_angle=angle), fit_sizes=fit, refine=not which.hull_only)
+    return Asked(fly=followed, fit_sizes=fit, refine=not which.hull_only)
 
 
-def _simulated(films: FilmOptions, asked: Asked, fly: SourcedMorphology) -> FilmedFlight:
-    from flycontrol.vision.example_flight import FRAME_RATE, example_flight
+def _simulated(films: FilmOptions, asked: Asked) -> FilmedFlight:
+    from flycontrol.vision.example_flight import example_flight
     from flycontrol.vision.flight_of_film import FilmedFlight
-    from flycontrol.vision.footage import Footage
 
     _refuse_options_of_films(films)
-    found = fly.morphology
-    made = example_flight(
-        found.planform,
-        pitch_axis=found.pitch_axis,
-        stroke_plane_angle=asked.fly.stroke_plane_angle,
-        wingbeats=films.wingbeats,
-    )
-    footage = Footage(
-        films=made.films, frame_rate=FRAME_RATE, backgrounds=tuple(film.background for film in made.films)
-    )
+    made = example_flight(asked.fly, films.wingbeats)
     return FilmedFlight(
         name="simulated fly",
-        footage=footage,
+        footage=made.footage,
         frames=range(len(made.truth)),
         cameras=made.cameras,
         world="z up",

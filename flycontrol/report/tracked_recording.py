@@ -17,6 +17,7 @@ from flycontrol.vision.tracked_frame import STATUSES
 FloatArray = NDArray[np.float64]
 
 _XYZ, _WXYZ, _ANGLES = ("x", "y", "z"), ("w", "x", "y", "z"), ("stroke", "deviation", "pitch")
+_PARTS = ("body", "left_wing", "right_wing")
 _CODES = ", ".join(f"{code} {status}" for code, status in enumerate(STATUSES))
 _MOTION = (
     Variable("time", "s", "time since frame 0 of the film"),
@@ -33,10 +34,12 @@ _MOTION = (
 _QUALITY = (
     Variable("frame", "1", "number of the frame in the film, from 0"),
     Variable("status", "1", _CODES),
+    Variable("doubted", "1", "1 where this part was not believed, and stands where it was expected", _PARTS),
     Variable("smoothed", "m, rad", "the 18 coordinates, smoothed over time", COORDINATES),
     Variable("smoothed_sd", "m, rad", "their standard deviations", COORDINATES),
     Variable("smoothed_rate", "m/s, rad/s", "their rates", COORDINATES),
     Variable("smoothed_rate_sd", "m/s, rad/s", "standard deviations of the rates", COORDINATES),
+    Variable("set_aside", "1", "1 where a coordinate was seen but was too far from the others to count", COORDINATES),
     Variable("raw", "m, rad", "the 18 coordinates, frame by frame", COORDINATES),
     Variable("raw_sd", "m, rad", "their standard deviations", COORDINATES),
 )
@@ -104,13 +107,18 @@ def _motion(flight: TrackedFlight) -> dict[str, FloatArray]:
 
 def _quality(flight: TrackedFlight) -> dict[str, FloatArray]:
     track, smoothed = flight.track, flight.smoothed
+    doubts = track.doubts or (("", "", ""),) * len(track)
+    doubted = np.array([[bool(why) for why in parts] for parts in doubts], dtype=np.float64).reshape(-1, len(_PARTS))
+    set_aside = smoothed.set_aside if len(smoothed.set_aside) else np.zeros_like(smoothed.uncertainty)
     return {
         "frame": flight.numbers.astype(np.float64),
         "status": np.array([STATUSES.index(status) for status in track.status], dtype=np.float64),
+        "doubted": doubted,
         "smoothed": smoothed.pose.coordinates,
         "smoothed_sd": smoothed.uncertainty,
         "smoothed_rate": smoothed.rate,
         "smoothed_rate_sd": smoothed.rate_uncertainty,
+        "set_aside": set_aside.astype(np.float64),
         "raw": track.pose.coordinates,
         "raw_sd": track.uncertainty,
         "overlap": track.overlap,

@@ -36,7 +36,7 @@ FIELDS: dict[str, str] = {
     "frames.count": "how many",
     "frames.rate_hz": "frames a second",
     "frames.tracked": "seen and believed",
-    "frames.partial": "seen, but cut by the border of an image, or with another animal in view",
+    "frames.partial": "seen, but a wing is not, or cut by the border of an image, or with another animal in view",
     "frames.bridged": "not believed: expected from the frames before, and smoothed over",
     "frames.lost": "bridged for too long, or before the fly was found: no coordinates",
     "unusual[].first": "number of the first frame of a stretch that was not plainly tracked",
@@ -64,6 +64,7 @@ FIELDS: dict[str, str] = {
     "refined": "whether the parametric fly was fitted to the silhouettes; otherwise the hull alone was read",
     "uncertainty.raw.*": "median standard deviation of each coordinate, frame by frame; um or deg",
     "uncertainty.smoothed.*": "likewise of the smoothed coordinates",
+    "set_aside.*": "numbers of frames in which a coordinate was seen but is too far from its neighbours to count",
     "error.raw.*": "root mean square against the truth of a simulated flight, frames with coordinates; um or deg",
     "error.smoothed.*": "likewise of the smoothed coordinates",
     "anipose": "why there is no cameras.toml; null: there is one",
@@ -112,6 +113,7 @@ def tracked_result(
             "raw": _per_coordinate(_median(flight.track.uncertainty)),
             "smoothed": _per_coordinate(_median(flight.smoothed.uncertainty)),
         },
+        "set_aside": _set_aside(flight),
         **_errors(flight),
         "anipose": no_anipose or None,
         "files": dict(files),
@@ -192,6 +194,12 @@ def _fly(flight: TrackedFlight, origin: TrackOrigin) -> dict[str, Any]:
         "fitted": flight.sizes_fitted,
         "factors": {} if flight.sizes is None else asdict(flight.sizes),
     }
+
+
+def _set_aside(flight: TrackedFlight) -> dict[str, list[int]]:
+    aside = flight.smoothed.set_aside.astype(np.bool_)
+    where = {name: flight.numbers[aside[:, k]].tolist() for k, name in enumerate(COORDINATES)} if len(aside) else {}
+    return {name: frames for name, frames in where.items() if frames}
 
 
 def _errors(flight: TrackedFlight) -> dict[str, Any]:

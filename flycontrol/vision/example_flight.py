@@ -9,13 +9,14 @@ import numpy as np
 from flycontrol.model.camera import Camera
 from flycontrol.model.camera_forms import orthogonal_cameras
 from flycontrol.model.flapping_pose import flapping_pose
-from flycontrol.model.planform import Planform
 from flycontrol.model.pose import Pose
 from flycontrol.model.stroke_kinematics import hover_stroke
 from flycontrol.model.wing_stroke import Modulation
 from flycontrol.units import deg, mm
-from flycontrol.vision.drawn_film import DrawnFilm, drawn_films
-from flycontrol.vision.fly_shape import FlyShape, fly_shape
+from flycontrol.vision.drawn_film import drawn_films
+from flycontrol.vision.fly_shape import FlyShape, with_legs
+from flycontrol.vision.follower import Fly
+from flycontrol.vision.footage import Footage
 from flycontrol.vision.render import Imaging
 
 FRAME_RATE = 8000.0  #: [1/s]
@@ -27,27 +28,26 @@ _IMAGING = Imaging(blur=0.8, noise=0.025)
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ExampleFlight:
-    """Films, and what is true of them."""
+    """A film, and what is true of it."""
 
-    films: tuple[DrawnFilm, ...]
+    footage: Footage
     cameras: tuple[Camera, ...]
     truth: Pose
     shape: FlyShape  #: of the fly, with its legs
 
 
-def example_flight(
-    planform: Planform, *, pitch_axis: float, stroke_plane_angle: float, wingbeats: float = _WINGBEATS
-) -> ExampleFlight:
+def example_flight(fly: Fly, wingbeats: float = _WINGBEATS) -> ExampleFlight:
     """A fly with legs before three orthogonal cameras of 35 px/mm, 8,000 frames a second, ten wingbeats.
 
     It turns by 100 deg to the right, banks by up to 25 deg, and its wings beat unequally. The motion is prescribed: no
     air and no mass have made it.
     """
-    shape = fly_shape(planform, pitch_axis=pitch_axis, legs=True)
+    shape = with_legs(fly.shape)
     cameras = orthogonal_cameras(scale=_SCALE, shape=_SHAPE, distance=_DISTANCE)
-    truth = _turn(shape, stroke_plane_angle, wingbeats)
+    truth = _turn(shape, fly.stroke_plane_angle, wingbeats)
     films = drawn_films(shape, truth, cameras, _IMAGING)
-    return ExampleFlight(films=films, cameras=cameras, truth=truth, shape=shape)
+    footage = Footage(films=films, frame_rate=FRAME_RATE, backgrounds=tuple(film.background for film in films))
+    return ExampleFlight(footage=footage, cameras=cameras, truth=truth, shape=shape)
 
 
 def _turn(shape: FlyShape, stroke_plane_angle: float, wingbeats: float) -> Pose:

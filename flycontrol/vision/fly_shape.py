@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,8 +80,13 @@ def fly_shape(
     wing = np.stack([planform.length * x, pitch_axis * chord, (pitch_axis - 1) * chord], axis=1)
     out = float(np.interp(_BASE_BEHIND_NOSE, behind, radius))
     base = np.array([centre - _BASE_BEHIND_NOSE, _BASE_RIGHT * out, -_BASE_UP * out]) * length
-    joints = _both_sides(np.array(_LEGS)) * length if legs else None
-    return FlyShape(profile=profile, wing=wing, right_base_B=base, legs=joints)
+    bare = FlyShape(profile=profile, wing=wing, right_base_B=base)
+    return with_legs(bare) if legs else bare
+
+
+def with_legs(shape: FlyShape) -> FlyShape:
+    """The fly with six legs, folded as in flight, as long as its body asks for."""
+    return replace(shape, legs=_both_sides(np.array(_LEGS)) * shape.body_length)
 
 
 def _outline_of_body() -> tuple[FloatArray, FloatArray]:

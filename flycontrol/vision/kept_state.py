@@ -37,9 +37,9 @@ def kept(value: Any) -> Result:
 
 
 def restored(tree: Any) -> Any:
-    """The value that `kept` was given, lists in place of tuples."""
+    """The value that `kept` was given, tuples in place of lists."""
     if isinstance(tree, list):
-        return [restored(part) for part in cast("list[Any]", tree)]
+        return tuple(restored(part) for part in cast("list[Any]", tree))
     if isinstance(tree, dict):
         named = cast("dict[str, Any]", tree)
         return _KINDS[named[_IS]](**{name: restored(part) for name, part in named.items() if name != _IS})

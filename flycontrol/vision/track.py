@@ -114,11 +114,9 @@ def _followed(follower: Follower, sighting: Sighting) -> TrackedFrame:
     if follower.past:
         masks = of_the_expected(masks, follower.cameras, fit_shape(follower.fly.shape), follower.past[-1])
     found = follower.follow(masks)
-    if sighting.crowded and found.status == "tracked":
-        whom = (
-            f"more than one animal before {', '.join(sighting.crowded)}; the nearest to the expected one was followed"
-        )
-        return replace(found, status="partial", reason=whom)
+    if sighting.crowded and found.status in ("tracked", "partial"):
+        whom = f"more than one animal before {', '.join(sighting.crowded)}; that near the expected one is followed"
+        return replace(found, status="partial", reason="; ".join(reason for reason in (found.reason, whom) if reason))
     return found
 
 

@@ -159,7 +159,7 @@ def _recalled(pursuit: Pursuit, piece: dict[str, Any]) -> list[TrackedFrame]:
         if pursuit.follower is None:
             pursuit.follower = Follower(cameras=pursuit.cameras, fly=pursuit.fly, refine=pursuit.refine, start=None)
         remind(pursuit.follower, memory)
-    return restored(piece["frames"])
+    return list(restored(piece["frames"]))
 
 
 def _counted(counts: Counter[str]) -> str:
