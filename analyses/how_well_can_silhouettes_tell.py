@@ -35,7 +35,7 @@ from flycontrol.vision.silhouette_fit import Agreement, SilhouetteFit
 from flycontrol.vision.silhouettes import cleaned
 from flycontrol.vision.size_fit import Sizes, resized
 from flycontrol.vision.stance import BASE_MOVE, MOVE, TURN, WING_TURN, Stance, pose_of, stances_of, stepped
-from flycontrol.vision.tracked_frame import gathered
+from flycontrol.vision.tracked_frame import Track, gathered
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -266,7 +266,7 @@ def known(stance: Stance) -> SilhouetteFit:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Found:
-    """What a tracker said beside the truth, N frames; NaN where it did not believe or did not find."""
+    """What a tracker said beside the truth, N frames; NaN where it says that it does not know, wing by wing."""
 
     error: FloatArray  #: (N, 18) [m, rad]
     spread: FloatArray  #: (N, 18) standard deviations that it stated [m, rad]
@@ -274,8 +274,18 @@ class Found:
 
     @property
     def missed(self) -> float:
-        """Share of frames without an answer."""
+        """Share of frames without an answer for the body."""
         return float(np.mean(np.isnan(self.error[:, 0])))
+
+    @property
+    def wings_missed(self) -> float:
+        """Share of wings without an answer."""
+        return float(np.mean(np.isnan(self.error[:, [6, 9]])))
+
+    @property
+    def wings_wrong(self) -> float:
+        """Share of wings with an answer and an angle that is 45 deg off or more."""
+        return float(np.mean(np.max(np.abs(self.error[:, 6:12]).reshape(-1, 2, 3), axis=2) >= 45 * deg))
 
     def __add__(self, other: "Found") -> "Found":
         """Both, one after the other."""
@@ -298,8 +308,18 @@ def followed(filming: Filming, truth: Pose, first: int, count: int, *, refine: b
     follower = Follower(cameras=filming.cameras, fly=FLY, refine=refine, start=start)
     masks = filming.silhouettes(pose, SEED + first)
     found = gathered((follower.follow(each) for each in masks), STROKE_PLANE, filming.count)
-    seen = np.where(found.believed[:, None], 1.0, np.nan)
+    seen = np.where(believed(found), 1.0, np.nan)
     return Found(error=errors(found.pose, pose) * seen, spread=found.uncertainty * seen, phase=phases(first, count))
+
+
+def believed(found: Track) -> BoolArray:
+    """(N, 18) which coordinates of which frames the tracker believes."""
+    told = np.repeat(found.believed[:, None], len(COORDINATES), axis=1)
+    for k, doubts in enumerate(found.doubts):
+        for side, doubt in zip(("left", "right"), doubts[1:], strict=True):
+            if doubt:
+                told[k, [name.startswith(side) for name in COORDINATES]] = False
+    return told
 
 
 def phases(first: int, count: int, step: int = 1) -> FloatArray:
@@ -353,8 +373,8 @@ def _joined(parts: Sequence[Found]) -> Found:
 
 # ## What is compared
 #
-# Left and right wings together, the body's centre as a distance. Root mean squares over the frames that the tracker
-# believes, with the share that it does not beside them.
+# Left and right wings together, the body's centre as a distance, over what the tracker believes; beside it the share
+# that it does not, and the share of wings that it believes and that are far off.
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -382,10 +402,10 @@ ANGLES = QUANTITIES[1:7]
 
 
 def sizes(found: Found, quantity: Quantity) -> FloatArray:
-    """Absolute errors in the quantity's unit; frames without an answer left out."""
-    columns = found.error[:, quantity.columns]
-    columns = columns[np.isfinite(columns[:, 0])] / quantity.size
-    return np.linalg.norm(columns, axis=1) if quantity.joint else np.abs(columns).ravel()
+    """Absolute errors in the quantity's unit; what has no answer left out."""
+    columns = found.error[:, quantity.columns] / quantity.size
+    values = np.linalg.norm(columns, axis=1) if quantity.joint else np.abs(columns).ravel()
+    return values[np.isfinite(values)]
 
 
 def rms(found: Found, quantity: Quantity) -> float:
@@ -403,15 +423,15 @@ def middle(found: Found, quantity: Quantity) -> float:
 def held_by_band(found: Found, quantity: Quantity) -> float:
     """Share of errors within 1.96 stated standard deviations."""
     error, spread = (values[:, quantity.columns] for values in (found.error, found.spread))
-    seen = np.isfinite(error[:, 0])
-    return float(np.mean(np.abs(error[seen]) <= 1.96 * spread[seen])) if seen.any() else np.nan
+    told = np.isfinite(error)
+    return float(np.mean(np.abs(error[told]) <= 1.96 * spread[told])) if told.any() else np.nan
 
 
 def stated(found: Found, quantity: Quantity) -> float:
     """Root mean square of the stated standard deviations, in the quantity's unit."""
-    spread = found.spread[np.isfinite(found.error[:, 0])][:, quantity.columns] / quantity.size
-    per_frame = np.sum(spread**2, axis=1) if quantity.joint else spread**2
-    return float(np.sqrt(np.mean(per_frame)))
+    spread = np.where(np.isfinite(found.error), found.spread, np.nan)[:, quantity.columns] / quantity.size
+    squares = np.sum(spread**2, axis=1) if quantity.joint else spread**2
+    return float(np.sqrt(np.nanmean(squares)))
 
 
 # ## All of it
@@ -451,11 +471,6 @@ def findings(plan: Plan | None = None) -> Findings:
         whole_hull=read_off_hulls(REFERENCE, truth, 0, count),
         by_hull=followed(REFERENCE, truth, _BETWEEN_REVERSALS, int(plan.by_hull * RATE / FREQUENCY), refine=False),
     )
-
-
-def wing_lost(found: Found, limit: float = 45 * deg) -> float:
-    """Share of frames in which an angle of a wing is that far off, or that are not believed."""
-    return float(np.mean(~(np.max(np.abs(found.error[:, 6:12]), axis=1) < limit)))
 
 
 # ## The figures
@@ -739,13 +754,15 @@ def _filmings_tables(found: Findings) -> list[str]:
     for way, title in (("fit", "By the fit"), ("hull", "By the hull alone")):
         lines += [
             f"## {title}: median error, and in brackets what 95 % of frames stay below\n",
-            "| filmed | " + " | ".join(_headed(q) for q in QUANTITIES) + " | not told [% of frames] |",
-            "|---|" + "---|" * (len(QUANTITIES) + 1),
+            "| filmed | " + " | ".join(_headed(q) for q in QUANTITIES) + " | body not told [%] | wings not told [%] "
+            "| wings 45 deg wrong [%] |",
+            "|---|" + "---|" * (len(QUANTITIES) + 3),
         ]
         for each in found.tried:
             part = getattr(each, way)
             cells = " | ".join(_both(part, q) for q in QUANTITIES)
-            lines.append(f"| {each.filming.name} | {cells} | {100 * part.missed:.0f} |")
+            shares = " | ".join(f"{100 * share:.0f}" for share in (part.missed, part.wings_missed, part.wings_wrong))
+            lines.append(f"| {each.filming.name} | {cells} | {shares} |")
         lines.append("")
     return lines
 
@@ -808,9 +825,10 @@ def _about_hull(found: Findings) -> str:
     return (
         f"- **The hull alone** places the centre to {in_pixels(middle(hull, QUANTITIES[0])):.1f} px and the body's "
         f"axis to {yaw:.1f} (yaw) and {pitch:.1f} deg (pitch). Roll, read from wing base to wing base, is {roll:.0f} "
-        f"deg off, and stroke, seen from the rolled body, {stroke:.0f}. In {_percent(wing_lost(hull))} of the frames "
-        f"some angle of a wing is 45 deg off or more; followed by its own readings instead of the frame before, in "
-        f"{_percent(wing_lost(found.by_hull))} (with bridged ones)."
+        f"deg off, and stroke, seen from the rolled body, {stroke:.0f}. {_percent(hull.wings_wrong)} of "
+        "the wings are 45 deg off or more in some angle. Followed by its own readings instead of the frame before, the "
+        f"hull gives no answer for {_percent(found.by_hull.missed)} of the frames and puts "
+        f"{_percent(found.by_hull.wings_wrong)} of the wings 45 deg off."
     )
 
 
@@ -840,14 +858,15 @@ def _about_cameras(found: Findings) -> list[str]:
     told = "; ".join(
         f"{each.filming.name.partition(',')[0] if each is found.reference else each.filming.name}: "
         f"yaw {middle(each.fit, ANGLES[0]):.2g}, stroke {middle(each.fit, ANGLES[3]):.2g}, "
-        f"{_percent(wing_lost(each.fit))} lost"
+        f"{_percent(each.fit.wings_missed)}, {_percent(each.fit.wings_wrong)}"
         for each in rows
     )
     if len(rows) < 2:
         return []
     return [
-        "- **Cameras**, and the share of frames in which an angle of a wing is 45 deg off or more (a wing once lost "
-        f"stays lost for some frames; one stretch more or less is some 10 %): {told}."
+        "- **Cameras**, yaw and stroke [deg], and the shares of wings that the fit says it does not know, and that are "
+        "45 deg off or more all the same (a wing once lost stays lost for some frames: one case is some 5 %): "
+        f"{told}."
     ]
 
 
@@ -937,7 +956,8 @@ def _numbers(part: Found) -> dict[str, Any]:
     return {
         "frames": len(part.error),
         "not_told": part.missed,
-        "a_wing_45_deg_off": wing_lost(part),
+        "wings_not_told": part.wings_missed,
+        "wings_45_deg_off": part.wings_wrong,
         "rms": {f"{q.name} [{q.unit}]": rms(part, q) for q in QUANTITIES},
         "median": {f"{q.name} [{q.unit}]": middle(part, q) for q in QUANTITIES},
     }

@@ -95,6 +95,23 @@ def test_errors_of_known_size_are_counted_as_such(note):
     assert found.missed == 0.25
 
 
+def test_a_doubted_wing_counts_as_not_told_and_a_believed_wrong_one_as_wrong(note):
+    error = np.zeros((2, 18))
+    error[0, 8], error[1, 10] = 44 * deg, -46 * deg
+    found = note.Found(error=error, spread=error, phase=np.zeros(2))
+    assert found.wings_wrong == 0.25
+    nothing = (np.full((2, 3), np.nan),) * 2
+    track = note.Track(
+        pose=note.Pose(coordinates=error, stroke_plane_angle=0.0), uncertainty=error, status=("partial", "bridged"),
+        reasons=("", ""), overlap=nothing[0], precision=nothing[1], doubts=(("", "", "hidden"), ("", "", "")),
+    )  # fmt: skip
+    told = note.believed(track)
+    names = [name for name, known in zip(note.COORDINATES, told[0], strict=True) if not known]
+    assert all(name.startswith("right") for name in names)
+    assert len(names) == 6
+    assert not told[1].any()
+
+
 def test_angles_differ_the_short_way_round(note):
     X = np.zeros((1, 18))
     one, other = (note.Pose(coordinates=X + x * deg, stroke_plane_angle=0.0) for x in (179, -179))
