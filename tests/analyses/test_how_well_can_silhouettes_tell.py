@@ -23,7 +23,7 @@ def note():
 def small(note, tmp_path_factory):
     """The note as a module, findings of a few frames, and the folder that they were written to."""
     filmings = tuple(each for each in note.FILMINGS if each.name in ("no legs", "body 10 % smaller"))
-    plan = note.Plan(stretches=1, warm=1, counted=2, whole=0.1, by_hull=0.06, filmings=(note.REFERENCE, *filmings))
+    plan = note.Plan(stretches=1, warm=1, counted=2, whole=0.1, filmings=(note.REFERENCE, *filmings))
     folder = tmp_path_factory.mktemp(NAME)
     return note, note.main(folder, plan), folder
 
