@@ -196,7 +196,7 @@ def _filmed(films: FilmOptions) -> tuple[FilmedFlight, tuple[str, ...]]:
     rate = _frame_rate(films.frame_rate, opened.frame_rate) / frames.step
     cameras = _cameras(films, films.cameras, [film.shape for film in opened.films])
     parts = tuple(FilmPart(film, frames) for film in opened.films)
-    backgrounds = _backgrounds(films.background, parts, opened.backgrounds)
+    backgrounds = _backgrounds(films.background, parts, opened.backgrounds, how)
     turned = tuple(camera.moved(upright(up)) for camera in cameras)
     footage = Footage(films=parts, frame_rate=rate, backgrounds=tuple(backgrounds), how=how)
     name = ", ".join(Path(each).stem for each in films.inputs)
@@ -258,19 +258,19 @@ def _facing(cameras: tuple[Camera, ...]) -> tuple[Camera, ...]:
     return facing_the_scene(cameras)
 
 
-def _backgrounds(path: str | None, films: Sequence[Film], told: Sequence[object]) -> list:
+def _backgrounds(path: str | None, films: Sequence[Film], told: Sequence[object], how: Segmentation) -> list:
     from flycontrol.io.movies.open_films import open_films
-    from flycontrol.vision.backgrounds import film_background
+    from flycontrol.vision.backgrounds import film_background, median_of
 
     if path is None:
-        return [film_background(film) if known is None else known for film, known in zip(films, told, strict=True)]
+        return [film_background(film, how) if known is None else known for film, known in zip(films, told, strict=True)]
     empty = open_films([path], binary=False).films
     if [film.shape for film in empty] != [film.shape for film in films]:
         raise InvalidInputError(
             f"--background {path} has pictures of {_sizes(empty)} pixels where the films have {_sizes(films)}; one for "
             "each film is needed, of its size."
         )
-    return [film_background(scene) if not film.binary else None for scene, film in zip(empty, films, strict=True)]
+    return [None if film.binary else median_of(scene) for scene, film in zip(empty, films, strict=True)]
 
 
 def _sizes(films: Sequence[Film]) -> str:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import label
+from scipy.ndimage import distance_transform_edt, label
 
 from flycontrol.model.camera import Camera
+from flycontrol.vision.calibration_check import check_calibration
 from flycontrol.vision.fit_shape import FitShape
 from flycontrol.vision.footage import FilmedFrame
 from flycontrol.vision.stance import Stance
@@ -20,6 +22,9 @@ FloatArray = NDArray[np.float64]
 
 _FULL = 0.5  #: of an image: no animal that is followed fills more of it (C)
 _REACH = 0.3  #: wing lengths around the expected fly in which its own parts lie (C)
+_RIVAL = 0.5  #: of the largest part: what is larger may be another animal, as in `Segmentation`
+_AGREEING = 3.0  #: epipolar residual of parts that may be of one animal [px] (C)
+_MOST_CHOICES = 64
 _TOUCHING = np.ones((3, 3), dtype=np.bool_)
 
 
@@ -65,6 +70,33 @@ def of_the_expected(
     Where nothing would be left, the silhouette stays as it is.
     """
     return tuple(_near(mask, camera, shape, expected) for mask, camera in zip(masks, cameras, strict=True))
+
+
+def one_animal(masks: Sequence[BoolArray], cameras: Sequence[Camera]) -> tuple[BoolArray, ...]:
+    """Silhouettes of one of several animals in view: of all choices of a part from each view, the largest that agree.
+
+    Parts of less than half of the largest one are no choices; they stay with the nearest large part of their view.
+    """
+    choices = list(product(*(_large_parts(mask) for mask in masks)))
+    if len(choices) < 2 or len(choices) > _MOST_CHOICES:
+        return tuple(masks)
+    residuals = np.array([max(pair.median for pair in check_calibration([each], cameras).pairs) for each in choices])
+    areas = np.array([sum(int(part.sum()) for part in choice) for choice in choices])
+    agreeing = residuals <= max(_AGREEING, float(np.min(residuals)))
+    return choices[int(np.argmax(np.where(agreeing, areas, 0)))]
+
+
+def _large_parts(mask: BoolArray) -> list[BoolArray]:
+    """The mask shared out among its large parts, each pixel to the nearest."""
+    parts, count = cast(tuple[NDArray[np.int32], int], label(mask, structure=_TOUCHING))
+    area = np.bincount(parts.ravel(), minlength=count + 1)
+    area[0] = 0
+    large = np.flatnonzero(area >= _RIVAL * area.max()) if count else np.empty(0, dtype=np.int64)
+    if len(large) < 2:
+        return [mask]
+    away = np.stack([np.asarray(distance_transform_edt(parts != number)) for number in large])
+    nearest = np.argmin(away, axis=0)
+    return [mask & (nearest == k) for k in range(len(large))]
 
 
 def _near(mask: BoolArray, camera: Camera, shape: FitShape, expected: Stance) -> BoolArray:

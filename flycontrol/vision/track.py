@@ -14,7 +14,7 @@ from flycontrol.vision.first_pose import FirstPose, Masks, first_pose
 from flycontrol.vision.fit_shape import fit_shape
 from flycontrol.vision.follower import Fly, Follower
 from flycontrol.vision.footage import FilmedFrame
-from flycontrol.vision.sighting import Sighting, of_the_expected, sighting_of
+from flycontrol.vision.sighting import Sighting, of_the_expected, one_animal, sighting_of
 from flycontrol.vision.tracked_frame import Track, TrackedFrame, gathered
 from flycontrol.vision.views import require_fitting
 
@@ -101,10 +101,13 @@ class Pursuit:
             return None
         shape, angle = fit_shape(self.fly.shape), self.fly.stroke_plane_angle
         try:
-            found = first_pose([first[k].masks for k in usable], self.cameras, shape, angle)
+            found = first_pose([self._alone(first[k]) for k in usable], self.cameras, shape, angle)
         except InvalidInputError:
             return None
         return replace(found, frame=usable[found.frame])
+
+    def _alone(self, sighting: Sighting) -> Masks:
+        return one_animal(sighting.masks, self.cameras) if sighting.crowded else sighting.masks
 
 
 def _followed(follower: Follower, sighting: Sighting) -> TrackedFrame:
@@ -113,6 +116,8 @@ def _followed(follower: Follower, sighting: Sighting) -> TrackedFrame:
     masks = sighting.masks
     if follower.past:
         masks = of_the_expected(masks, follower.cameras, fit_shape(follower.fly.shape), follower.past[-1])
+    elif sighting.crowded:
+        masks = one_animal(masks, follower.cameras)
     found = follower.follow(masks)
     if sighting.crowded and found.status in ("tracked", "partial"):
         whom = f"more than one animal before {', '.join(sighting.crowded)}; that near the expected one is followed"

@@ -114,6 +114,15 @@ def test_a_second_fly_in_view_is_left_out_and_the_frame_marked():
     assert np.array_equal(found.pose.coordinates, alone.pose.coordinates)
 
 
+def test_of_two_flies_from_the_first_frame_on_one_is_followed_and_no_mixture_of_both():
+    def crowded(k, mask):
+        return mask | np.roll(mask, (170, 170), (0, 1))
+
+    found = tracked_film(filmed(crowded, POSE[:4], WIDE), WIDE, AS_GIVEN).track
+    assert found.status == ("partial",) * 4
+    assert np.max(np.abs(apart(found.pose, POSE[:4])[:, 3:6])) < 3 * deg
+
+
 def test_what_lies_off_the_expected_fly_is_no_part_of_it():
     stance = stances_of(POSE[2])[0]
     masks = [silhouette.mask for silhouette in filmed(cameras=WIDE).frame(3).silhouettes]
