@@ -71,7 +71,7 @@ def stage_of(flight: TrackedFlight, frames: NDArray[np.int_]) -> Stage:
 
 
 def picture_of(flight: TrackedFlight, frame: FilmedFrame, k: int, stage: Stage, number: int) -> Image.Image:
-    """Frame k of the flight, picture `number` of its animation."""
+    """Frame k of the flight, picture `number` of its animation, in a few colours."""
     picture = Image.new("RGB", stage.size, "white")
     draw = ImageDraw.Draw(picture)
     for c, camera in enumerate(flight.cameras):
@@ -82,7 +82,7 @@ def picture_of(flight: TrackedFlight, frame: FilmedFrame, k: int, stage: Stage, 
         draw.text((left + 6, top + 1), camera.name, fill=QUIET, font=_font(12))
         draw.rectangle([(left, top + _NAME), (left + _SIDE - 1, top + _NAME + _SIDE - 1)], outline=QUIET)
     _write(draw, flight, k, bool(frame.images))
-    return picture
+    return picture.quantize(palette=_palette(), dither=Image.Dither.NONE)
 
 
 def gif(pictures: Sequence[Image.Image]) -> bytes:
@@ -94,12 +94,10 @@ def gif(pictures: Sequence[Image.Image]) -> bytes:
 
 
 def _gif(pictures: Sequence[Image.Image], every: int) -> bytes:
-    palette = _palette()
-    flat = [picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures]
     buffer = io.BytesIO()
-    flat[0].save(
-        buffer, format="GIF", save_all=True, append_images=flat[1:], duration=round(FRAME_TIME / ms) * min(every, 3),
-        loop=0, disposal=1, optimize=False,
+    pictures[0].save(
+        buffer, format="GIF", save_all=True, append_images=pictures[1:], loop=0,
+        duration=round(FRAME_TIME / ms) * min(every, 3), disposal=1, optimize=False,
     )  # fmt: skip
     return buffer.getvalue()
 

@@ -8,9 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from flycontrol.model.pose import Pose
+from flycontrol.model.pose import ANGLES as WING_ANGLES
+from flycontrol.model.pose import BASE, Pose
 from flycontrol.units import deg, mm, ms
+from flycontrol.vision.stance import SIDES
 from flycontrol.vision.tracked_flight import TrackedFlight
+from flycontrol.vision.tracked_frame import Track
 
 FloatArray = NDArray[np.float64]
 
@@ -27,7 +30,7 @@ class Curves:
     """N instants [ms] of 18 coordinates [mm, deg]."""
 
     time: FloatArray  #: (N,)
-    raw: FloatArray  #: (N, 18) where the fly was seen, NaN elsewhere
+    raw: FloatArray  #: (N, 18) what was seen, NaN elsewhere
     smooth: FloatArray  #: (N, 18)
     half_band: FloatArray  #: (N, 18) of the smoothed ones, 95 %
     truth: FloatArray | None  #: (N, 18)
@@ -36,7 +39,7 @@ class Curves:
 def curves(flight: TrackedFlight) -> Curves:
     """Yaw and roll go on where they were, and may pass 180 deg; wing angles are written within half a turn."""
     smooth = continued(flight.smoothed.pose.coordinates)
-    raw = continued(np.where(flight.track.believed[:, None], flight.track.pose.coordinates, np.nan))
+    raw = continued(np.where(coordinates_seen(flight.track), flight.track.pose.coordinates, np.nan))
     truth = None if flight.truth is None else beside(continued(flight.truth.coordinates), smooth) / UNITS
     return Curves(
         time=flight.time / ms,
@@ -45,6 +48,16 @@ def curves(flight: TrackedFlight) -> Curves:
         half_band=SIGMAS * flight.smoothed.uncertainty / UNITS,
         truth=truth,
     )
+
+
+def coordinates_seen(track: Track) -> NDArray[np.bool_]:
+    """(N, 18) whether a coordinate was seen: the fly was, and its wing is believed."""
+    seen = np.repeat(track.believed[:, None], 18, axis=1)
+    for k, (_, left, right) in enumerate(track.doubts):
+        for side in SIDES:
+            if left if side == "left" else right:
+                seen[k, WING_ANGLES[side]] = seen[k, BASE[side]] = False
+    return seen
 
 
 def continued(coordinates: FloatArray) -> FloatArray:

@@ -59,7 +59,7 @@ def _overlay(flight: TrackedFlight, chosen: ChosenFrame, overlay: FrameOverlay) 
     caption += f": {sentence(reason).rstrip('.')}." if reason else "."
     if np.all(np.isfinite(seen)):
         said = ", ".join(
-            f"{fixed(100 * float(value), 1, '%')} {camera.name}"
+            f"{camera.name} {fixed(100 * float(value), 1, '%')}"
             for value, camera in zip(seen, flight.cameras, strict=True)
         )
         caption += f" Overlap: {said}."
@@ -182,7 +182,7 @@ def _agreement(flight: TrackedFlight, survey: Survey) -> PageFigure:
 def _uncertainty(flight: TrackedFlight) -> PageFigure:
     caption = (
         "Standard deviations of what was read in each frame by itself, root mean square within each group. They come "
-        "from the fit’s curvature and grow over a bridge; a wing seen on edge is certain in no view."
+        "from the fit’s curvature and grow over a bridge, of a wing alone too."
     )
     return _page_figure(
         "uncertainty", uncertainty_over_time(flight, spans(flight.track)), "Uncertainty frame by frame", caption

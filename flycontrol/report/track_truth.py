@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flycontrol.model.pose import Pose
-from flycontrol.report.track_curves import ANGLES, SIGMAS, UNITS
+from flycontrol.report.track_curves import ANGLES, SIGMAS, UNITS, coordinates_seen
 from flycontrol.vision.tracked_flight import TrackedFlight
 
 FloatArray = NDArray[np.float64]
@@ -28,7 +28,7 @@ class CoordinateError:
 
     name: str
     unit: str
-    raw: float  #: root mean square
+    raw: float  #: root mean square, of what was seen
     smoothed: float
     in_band: float  #: share of frames whose truth is in the smoothed curve's 95 % band
     aim: float | None
@@ -40,6 +40,7 @@ def coordinate_errors(flight: TrackedFlight, truth: Pose) -> list[CoordinateErro
     raw, smooth = (
         _apart(pose.coordinates, truth.coordinates)[seen] for pose in (flight.track.pose, flight.smoothed.pose)
     )
+    raw = np.where(coordinates_seen(flight.track)[seen], raw, np.nan)
     inside = np.abs(smooth) <= SIGMAS * flight.smoothed.uncertainty[seen]
     known = np.all(np.isfinite(smooth), axis=1)
     return [

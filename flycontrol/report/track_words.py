@@ -12,6 +12,7 @@ from flycontrol.model.camera_forms import pinhole_of
 from flycontrol.report.numbers import counted, fixed, milliseconds, sentence
 from flycontrol.report.track_beats import StrokeReversals
 from flycontrol.report.track_spans import Span, spans, tally
+from flycontrol.report.track_truth import CoordinateError, coordinate_errors
 from flycontrol.units import deg, mm
 from flycontrol.vision.tracked_flight import TrackedFlight
 from flycontrol.vision.tracked_frame import STATUSES
@@ -19,8 +20,9 @@ from flycontrol.vision.tracked_frame import STATUSES
 FloatArray = NDArray[np.float64]
 
 STATUS_MEANING = {
-    "tracked": "seen in every view, and believed",
-    "partial": "seen and believed, but a silhouette reaches the border of its image, or another animal is in view",
+    "tracked": "body and both wings seen, and believed",
+    "partial": "the body is believed; a wing is not, or a silhouette reaches the border of its image, or another "
+    "animal is in view",
     "bridged": "not believed, or not to be seen: expected from the frames before, with growing uncertainty",
     "lost": "bridged for too long: no coordinates",
 }
@@ -54,6 +56,8 @@ def lead(flight: TrackedFlight, reversals: StrokeReversals) -> list[str]:
         sentences.append(f"The wings beat at {fixed(reversals.frequency, 1, 'Hz')}.")
     residual = flight.check.residual
     sentences.append(f"The cameras and the silhouettes agree to {fixed(residual, 2, 'px')} across the epipolar planes.")
+    if flight.truth is not None and np.any(flight.track.believed):
+        sentences.append(_against_truth(coordinate_errors(flight, flight.truth)))
     if flight.doubt:
         sentences.append(f"{sentence(flight.doubt).rstrip('.')}.")
     return sentences
@@ -104,11 +108,18 @@ def size_rows(flight: TrackedFlight) -> list[Row]:
     area = float(np.trapezoid(leading - trailing, span))
     base = " / ".join(fixed(value / mm, 2) for value in shape.right_base_B)
     how = "fitted to the silhouettes of this flight" if flight.sizes_fitted else "as given"
+    by = {name: _factor(flight, name) for name in ("body_length", "body_radius", "wing_length", "wing_chord")}
     return [
-        Row("Body length", (fixed(shape.body_length / mm, 2, "mm"), how)),
-        Row("Largest width of the body", (fixed(2 * float(shape.profile[:, 1].max()) / mm, 2, "mm"), how)),
-        Row("Wing length", (fixed(float(span[-1]) / mm, 2, "mm"), f"base to tip; {how}")),
-        Row("Mean chord", (fixed(area / float(span[-1] - span[0]) / mm, 2, "mm"), f"area over length; {how}")),
+        Row("Body length", (fixed(shape.body_length / mm, 2, "mm"), how + by["body_length"])),
+        Row(
+            "Largest width of the body",
+            (fixed(2 * float(shape.profile[:, 1].max()) / mm, 2, "mm"), how + by["body_radius"]),
+        ),
+        Row("Wing length", (fixed(float(span[-1]) / mm, 2, "mm"), f"base to tip; {how}{by['wing_length']}")),
+        Row(
+            "Mean chord",
+            (fixed(area / float(span[-1] - span[0]) / mm, 2, "mm"), f"area over length; {how}{by['wing_chord']}"),
+        ),
         Row("Base of the right wing", (f"{base} mm", f"forward, right, down of the body’s centre; {how}")),
         Row(
             "Stroke plane",
@@ -139,6 +150,17 @@ def span_rows(flight: TrackedFlight) -> list[Row]:
     return rows
 
 
+def _against_truth(errors: list[CoordinateError]) -> str:
+    by_name = {error.name: error.smoothed for error in errors}
+    wings = {
+        words: max(by_name[f"Left {name}"], by_name[f"Right {name}"])
+        for words, name in (("stroke", "stroke"), ("deviation", "deviation"), ("wing pitch", "wing pitch"))
+    }
+    body = ", ".join(f"{name.lower()} by {fixed(by_name[name], 2)}°" for name in ("Yaw", "Pitch", "Roll"))
+    sides = ", ".join(f"{words} by {fixed(value, 2)}°" for words, value in wings.items())
+    return f"Against the simulated truth, smoothed, {body} are off in the root mean square, and {sides} at the most."
+
+
 def _numbers(flight: TrackedFlight, span: Span) -> str:
     first, last = flight.numbers[[span.first, span.last]]
     return str(first) if len(span) == 1 else f"{first}–{last}"
@@ -162,6 +184,10 @@ def _camera_row(camera: Camera, known: FloatArray) -> Row:
         focal = fixed(float(np.sqrt(abs(K[0, 0] * K[1, 1]))), 0)
     lens = "ideal" if camera.distortion is None else "distorting"
     return Row(camera.name, (f"{camera.shape[1]} × {camera.shape[0]}", scale, focal, place, lens))
+
+
+def _factor(flight: TrackedFlight, name: str) -> str:
+    return "" if flight.sizes is None else f", {fixed(getattr(flight.sizes, name), 3)} times what was given"
 
 
 def _of_known(values: FloatArray, percentile: float) -> str:

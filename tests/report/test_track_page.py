@@ -200,6 +200,14 @@ def test_errors_against_the_truth_are_those_that_were_made(mixed):
         assert error.in_band == 1.0  # 0.1 deg within 1.96 times a quarter
 
 
+def test_a_wing_that_is_not_believed_is_not_drawn_as_seen(mixed):
+    flight, _ = mixed
+    nobody, doubted = ("", "", ""), ("", "the left wing is hidden", "")
+    doubts = tuple(doubted if status == "partial" else nobody for status in flight.track.status)
+    raw = curves(replace(flight, track=replace(flight.track, doubts=doubts))).raw
+    assert np.flatnonzero(np.isnan(raw[MIXED.index("partial")])).tolist() == [6, 7, 8, 12, 13, 14]
+
+
 def test_true_rates_are_those_of_a_steady_turn():
     time = np.arange(9) / RATE
     X = np.zeros((9, 18))
@@ -257,7 +265,7 @@ def test_what_is_drawn_goes_through_the_lens_as_the_image_does():
 
 def test_an_animation_stays_light_whatever_was_filmed(mixed):
     rng = np.random.default_rng(1)
-    noise = [Image.fromarray(rng.integers(0, 255, (330, 864, 3), dtype=np.uint8)) for _ in range(12)]
+    noise = [Image.fromarray(rng.integers(0, 255, (330, 864), dtype=np.uint8)) for _ in range(12)]
     made = gif(noise)
     assert len(made) <= HEAVIEST
     assert 1 < Image.open(io.BytesIO(made)).n_frames < 12

@@ -32,7 +32,7 @@ SMOOTHED: dict[str, Any] = {"color": EXACT, "linewidth": 1.1}
 TRUTH: dict[str, Any] = {"color": MARK, "linewidth": 1.1, "linestyle": (0, (3, 2))}
 BAND = "#b9d2e3"  #: of 95 %
 SHADES: dict[str, dict[str, Any]] = {
-    "partial": {"facecolor": "#e6edf1", "edgecolor": "none", "linewidth": 0},
+    "partial": {"facecolor": "#cddae3", "edgecolor": "none", "linewidth": 0},
     "bridged": {"facecolor": PULSE, "edgecolor": "none", "linewidth": 0},
     "lost": {"facecolor": FORBIDDEN, "edgecolor": "#c9c5c0", "linewidth": 0, "hatch": "////"},
 }

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator
 from numpy.typing import NDArray
 
 from flycontrol.report.figures.track_panels import (
@@ -131,4 +132,5 @@ def _logarithmic(ax: Axes) -> None:
     low, high = np.nanmin(values[values > 0]), np.nanmax(values)
     ax.set_ylim(low / 1.5, max(high * 1.5, 12 * low))
     ax.set_yscale("log")
+    ax.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     plain_log_ticks(ax, "y")
