@@ -30,7 +30,7 @@ _IN_A_ROW = 3  #: views
 _AROUND = 8  #: pixels of the film around the fly
 _GREYS = 12  #: levels of filmed images that are told apart
 _CALM = 9  #: pictures over which the window's way is evened
-_LINES = {"body": INK, "left": "#1c5c98", "right": "#e08a00"}
+_LINES = {"body": INK, "left": "#1c5c98", "right": "#b46a00"}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

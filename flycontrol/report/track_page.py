@@ -118,8 +118,8 @@ def _film_caption(flight: TrackedFlight, seen: SecondLook) -> str:
     step = float(flight.time[seen.survey.frames[1]] - flight.time[seen.survey.frames[0]])
     return (
         f"{len(seen.pictures)} of {len(flight.track)} frames, about {FRAME_TIME / step:.0f} times slower than it flew. "
-        "What was filmed, pixel by pixel, and the contours of the fitted fly: body dark, left wing blue, right wing "
-        "light. The windows follow the fly."
+        "What was filmed, pixel by pixel, and the contours of the fitted fly: body black, left wing blue, right wing "
+        "brown. The windows follow the fly."
     )
 
 

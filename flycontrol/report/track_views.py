@@ -21,7 +21,7 @@ FloatArray = NDArray[np.float64]
 GreyArray = NDArray[np.uint8]
 
 PARTS: tuple[Part, ...] = ("body", "left", "right")
-EMPTY, DUST, ANIMAL, OUTSIDE = 255, 236, 205, 246  #: grey levels of silhouettes, and of what no image shows
+EMPTY, DUST, ANIMAL, OUTSIDE = 255, 238, 214, 247  #: grey levels of silhouettes, and of what no image shows
 _AROUND = 6  #: pixels around the fly
 _LARGEST = 1.7  #: of a window that silhouettes widen, over that of the fly alone
 

@@ -19,7 +19,7 @@ FloatArray = NDArray[np.float64]
 PART_LINES: dict[str, dict[str, Any]] = {
     "body": {"color": INK, "linewidth": 1.0, "linestyle": (0, (1, 1))},
     "left": {"color": "#1c5c98", "linewidth": 1.2, "linestyle": "solid"},
-    "right": {"color": PADE, "linewidth": 1.2, "linestyle": (0, (3.5, 1.5))},
+    "right": {"color": "#b46a00", "linewidth": 1.4, "linestyle": (0, (3.5, 1.5))},
 }
 #: One for each view, or pair of views.
 SERIES: tuple[dict[str, Any], ...] = (
