@@ -13,9 +13,11 @@ from scipy.ndimage import distance_transform_edt
 from flycontrol.errors import InvalidInputError
 from flycontrol.model.pose import Pose
 from flycontrol.units import deg
+from flycontrol.vision.belief import Judged, judged
 from flycontrol.vision.fit_shape import FitShape
 from flycontrol.vision.hull import VisualHull
-from flycontrol.vision.silhouette_fit import Leash, SilhouetteFit, fit_silhouettes, silhouette_cost
+from flycontrol.vision.second_look import SecondLook
+from flycontrol.vision.silhouette_fit import Leash, fit_silhouettes, silhouette_cost
 from flycontrol.vision.soft_silhouette import BorderDistance
 from flycontrol.vision.stance import Stance, stances_of, step_between
 from flycontrol.vision.wing_grid import wing_grid
@@ -32,7 +34,7 @@ _ROLLS = np.arange(-60, 61, 20) * deg
 _FREE = Leash(body=180 * deg, wing=180 * deg)
 
 
-def acquire(hull: VisualHull, border: BorderDistance, shape: FitShape, stroke_plane_angle: float) -> SilhouetteFit:
+def acquire(hull: VisualHull, border: BorderDistance, shape: FitShape, stroke_plane_angle: float) -> Judged:
     """The best of the fits that start from the most likely of a grid of poses about the thick core of a hull.
 
     The world's z points up, and the fly's back does too, within some 60 deg of roll.
@@ -58,8 +60,16 @@ def acquire(hull: VisualHull, border: BorderDistance, shape: FitShape, stroke_pl
         fit_silhouettes(border, shape, guess, softness=(_COARSE, 2.0), leash=_FREE)
         for guess in _different([guesses[k] for k in order])
     ]
-    best = min(fits, key=lambda fit: fit.agreement.cost)
-    return fit_silhouettes(border, shape, best.stance, leash=_FREE)
+    best = min((judged(fit, border, shape, None) for fit in fits), key=lambda each: each.rank)
+    best = judged(fit_silhouettes(border, shape, best.fit.stance, leash=_FREE), border, shape, None)
+    look = SecondLook(
+        border=border, shape=shape, stroke_plane_angle=stroke_plane_angle, expected=best.fit.stance
+    )  # fmt: skip
+    for side in (0, 1):
+        if best.doubts[side + 1]:
+            others = [judged(fit, border, shape, None) for fit in look.elsewhere(best.fit.stance, side)]
+            best = min([best, *others], key=lambda each: each.rank)
+    return best
 
 
 def _bodies(hull: VisualHull, shape: FitShape) -> Iterator[Stance]:

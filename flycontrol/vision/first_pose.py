@@ -45,16 +45,18 @@ def first_pose(
         If none of them holds a fly.
     """
     best: FirstPose | None = None
+    rank = (np.inf, np.inf)
     for k in range(0, len(first), _EVERY):
         try:
             border = border_distance(views_of(first[k], cameras), MARGIN)
-            fit = acquire(fine_hull(first[k], cameras, shape), border, shape, stroke_plane_angle)
+            found = acquire(fine_hull(first[k], cameras, shape), border, shape, stroke_plane_angle)
         except InvalidInputError:
             continue
-        if best is None or np.mean(fit.agreement.overlap) > np.mean(best.fit.agreement.overlap):
-            best = FirstPose(fit=fit, frame=k)
-        seen = best.fit.agreement
-        if np.mean(seen.overlap) > _GOOD_OVERLAP and np.mean(seen.precision) > _GOOD_PRECISION:
+        seen = found.fit.agreement
+        here = (float(found.rank[0]), -float(np.mean(seen.overlap)))
+        if here < rank:
+            best, rank = FirstPose(fit=found.fit, frame=k), here
+        if not rank[0] and np.mean(seen.overlap) > _GOOD_OVERLAP and np.mean(seen.precision) > _GOOD_PRECISION:
             break
     if best is None:
         raise InvalidInputError(

@@ -19,6 +19,7 @@ from flycontrol.vision.fly_shape import FlyShape
 from flycontrol.vision.hull import VisualHull
 from flycontrol.vision.hull_stance import stance_of_hull
 from flycontrol.vision.prediction import drifted, expectations, unseen_wing
+from flycontrol.vision.rival import with_rivals
 from flycontrol.vision.second_look import SecondLook, with_wing
 from flycontrol.vision.silhouette_fit import Agreement, SilhouetteFit, agreement, silhouette_cost
 from flycontrol.vision.soft_silhouette import BorderDistance, border_distance
@@ -104,7 +105,7 @@ class Follower:
         for side in (0, 1):
             if best.doubts[side + 1]:
                 best = self._best([best.fit, *look.elsewhere(best.fit.stance, side)], border, shape)
-        return best
+        return judged(with_rivals(best.fit, look), border, shape, self._usually_missed())
 
     def _best(self, fits: Sequence[SilhouetteFit], border: BorderDistance, shape: FitShape) -> Judged:
         usual = self._usually_missed()
@@ -200,8 +201,8 @@ class Follower:
     def _look_afresh(self, masks: Masks, border: BorderDistance, shape: FitShape) -> None:
         hull = fine_hull(masks, self.cameras, shape)
         found = acquire(hull, border, shape, self.fly.stroke_plane_angle) if len(hull) else None
-        fits = found is not None and found.agreement.cost < _STRANGE * self._usual(np.inf)
-        self.start = found if fits else None
+        fits = found is not None and not any(found.doubts) and found.rank[1] < _STRANGE * self._usual(np.inf)
+        self.start = found.fit if found is not None and fits else None
 
 
 def _likeliest(stances: list[Stance], border: BorderDistance, shape: FitShape) -> Stance:

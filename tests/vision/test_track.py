@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from filmed_flights import BARE, CAMERAS, SCALE, STROKE_PLANE, WITH_LEGS, apart, drawn, turning_flight
@@ -5,6 +7,7 @@ from filmed_flights import BARE, CAMERAS, SCALE, STROKE_PLANE, WITH_LEGS, apart,
 from flycontrol.errors import InvalidInputError
 from flycontrol.model.pose import Pose
 from flycontrol.units import deg
+from flycontrol.vision.belief import Judged
 from flycontrol.vision.first_pose import first_pose
 from flycontrol.vision.fit_shape import fit_shape
 from flycontrol.vision.follower import Fly, Follower
@@ -25,10 +28,12 @@ def rms(values):
     return np.sqrt(np.mean(np.square(values), axis=0))
 
 
+NOTHING = Agreement(cost=np.inf, overlap=np.zeros(3), precision=np.zeros(3))
+
+
 def known(stance):
-    nothing = Agreement(cost=np.inf, overlap=np.zeros(3), precision=np.zeros(3))
     return SilhouetteFit(
-        stance=stance, covariance=np.zeros((18, 18)), agreement=nothing, converged=True, iterations=0
+        stance=stance, covariance=np.zeros((18, 18)), agreement=NOTHING, converged=True, iterations=0
     )  # fmt: skip
 
 
@@ -125,6 +130,23 @@ def test_the_first_pose_is_found_without_a_hint(short):
     start = first_pose(frames[:1], CAMERAS, fit_shape(BARE), STROKE_PLANE)
     away = apart(pose_of([start.fit.stance], STROKE_PLANE), pose[start.frame])
     assert np.all(np.abs(away[0, 3:12]) < 2 * AIMS)
+
+
+def test_a_first_pose_whose_wings_the_silhouettes_bear_out_goes_before_one_that_covers_more(short, monkeypatch):
+    """The first frame's pose covers more, but a wing of it is doubted."""
+    pose, frames = short
+    stances = stances_of(pose)
+    doubted = Judged(
+        fit=replace(known(stances[0]), agreement=replace(NOTHING, overlap=np.full(3, 0.8))),
+        doubts=("", "off", ""), missed=np.zeros(3),
+    )  # fmt: skip
+    sound = Judged(
+        fit=replace(known(stances[6]), agreement=replace(NOTHING, overlap=np.full(3, 0.7))),
+        doubts=("", "", ""), missed=np.zeros(3),
+    )  # fmt: skip
+    found = iter([doubted, sound])
+    monkeypatch.setattr("flycontrol.vision.first_pose.acquire", lambda *args: next(found))
+    assert first_pose(frames, CAMERAS, fit_shape(BARE), STROKE_PLANE).frame == 6
 
 
 def test_a_recording_without_a_fly_is_refused(short):
