@@ -15,7 +15,7 @@ from scipy.ndimage import binary_dilation, binary_erosion, uniform_filter1d
 
 from flycontrol.report.style import INK, MARK, QUIET
 from flycontrol.report.track_overlays import pose_at
-from flycontrol.report.track_views import Window, backdrop, extent_of_fly, part_masks, square_about
+from flycontrol.report.track_views import Window, backdrop, extent_of_fly, largest_side, part_masks, square_about
 from flycontrol.units import ms
 from flycontrol.vision.footage import FilmedFrame
 from flycontrol.vision.tracked_flight import TrackedFlight
@@ -62,6 +62,7 @@ def stage_of(flight: TrackedFlight, frames: NDArray[np.int_]) -> Stage:
     else:
         middles = _calmed(middles)
         side = int(np.ceil(np.nanpercentile(sides, 95) + np.nanmax(_strayed(extents, middles)))) + 2 * _AROUND
+    side = min(side, largest_side(flight.cameras))
     rows = -(-len(flight.cameras) // _IN_A_ROW)
     return Stage(
         windows=tuple(tuple(square_about(middle, side) for middle in row) for row in middles),

@@ -47,11 +47,18 @@ def square_about(middle: FloatArray, side: int) -> Window:
     return Window(int(left), int(top), side, side)
 
 
+def largest_side(cameras: tuple[Camera, ...]) -> int:
+    """Of a window: twice the largest image, however near to a camera the fly is thought to be [px]."""
+    return 2 * max(max(camera.shape) for camera in cameras)
+
+
 def extent_of_fly(shape: FlyShape, pose: Pose, camera: Camera) -> FloatArray:
-    """(2, 2) least and largest u, v of a fly at one instant [px]."""
+    """(2, 2) least and largest u, v of a fly at one instant [px]; those of the image where it is not in front of it."""
     points = np.concatenate([placed(shape, pose, part)[0] for part in PARTS])
     pixels = camera.project(points)
-    return np.stack([np.nanmin(pixels, axis=0), np.nanmax(pixels, axis=0)])
+    if not np.all(np.isfinite(pixels)):
+        return np.array([[0.0, 0.0], [camera.shape[1] - 1.0, camera.shape[0] - 1.0]])
+    return np.stack([pixels.min(axis=0), pixels.max(axis=0)])
 
 
 def extent_of_mask(mask: BoolArray) -> FloatArray | None:
@@ -66,6 +73,7 @@ def windows(frame: FilmedFrame, cameras: tuple[Camera, ...], shape: FlyShape, po
     """Windows of one size about fly and silhouette in every view of a frame."""
     extents = [_extent(frame, c, camera, shape, pose) for c, camera in enumerate(cameras)]
     side = int(np.ceil(max(np.max(extent[1] - extent[0]) for extent in extents))) + 2 * _AROUND
+    side = min(side, largest_side(cameras))
     return [square_about(extent.mean(axis=0), side) for extent in extents]
 
 

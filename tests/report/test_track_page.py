@@ -236,6 +236,16 @@ def test_the_piece_shown_closely_is_where_the_heading_changes_most():
     assert (first + last) / 2 == pytest.approx(300, abs=2)
 
 
+def test_a_fly_that_is_thought_to_be_beside_or_behind_a_camera_gives_windows_of_the_films_size():
+    flight, footage = tracked_flight(2)
+    X = flight.track.pose.coordinates.copy()
+    X[0, 0], X[1, 0] = 0.118, 0.3  # a camera is at x = 0.12 m
+    away = replace(flight.track, pose=Pose(coordinates=X, stroke_plane_angle=flight.track.pose.stroke_plane_angle))
+    flight = replace(flight, track=away)
+    looked = second_look(flight, footage, stroke_reversals(flight))
+    assert all(view.window.width <= 2 * 160 for _, overlay in looked.overlays for view in overlay.views)
+
+
 def test_the_drawn_fly_is_the_silhouette_pixel_by_pixel():
     flight, _ = tracked_flight(1)
     camera = flight.cameras[0]
