@@ -11,6 +11,7 @@ from flycontrol.delay.characteristic import CharacteristicBlocks
 from flycontrol.delay.chart import Axis, StabilityChart, stability_chart
 from flycontrol.delay.dcurve import PDGains, pd_boundary
 from flycontrol.delay.system import FloatArray
+from flycontrol.errors import InvalidParameterError
 from flycontrol.model.gains import fastest_decay, gain_crossover, largest_stable_delay, modulus_margins
 from flycontrol.model.yaw import YawLoop, require_pd
 
@@ -105,7 +106,11 @@ def _is_stable(b: float, kp: float, kd: float, delay: float) -> bool:
 
 def _stable_part(b: float, T: float) -> tuple[FloatArray, PDGains]:
     """The D-curve around the stable region: from w = 0 to where it comes back to kp = 0, b sin wT = -w cos wT."""
-    end = bracketed_root(lambda w: w * np.cos(w * T) + b * np.sin(w * T), np.pi / 2 / T, np.pi / T)
+    if not 1 + b * T > 0:
+        raise InvalidParameterError(
+            f"No PD gains hold a plant that runs away as fast as this one, b T = {b * T:.3g}; b T must be above -1."
+        )
+    end = bracketed_root(lambda w: w * np.cos(w * T) + b * np.sin(w * T), 1e-3 / T, np.pi / T)
     omega = np.linspace(0.0, end, 400)
     return omega, pd_boundary(b, T, omega)
 

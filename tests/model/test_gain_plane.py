@@ -81,3 +81,10 @@ def test_there_is_no_slice_where_no_delay_is_stable(gains):
 
 def test_there_is_no_plane_without_a_delay():
     assert gain_plane(fly(delay=0.0)) is None
+
+
+@pytest.mark.parametrize("delay", [13.6e-3, 0.011504735754005175])
+def test_without_damping_the_stable_part_ends_at_a_quarter_of_a_turn(delay):
+    """w cos wT = 0 there, where rounding may leave either sign."""
+    loop = YawLoop.from_rates(b=0.0, kp=500.0, kd=30.0, delay=delay)
+    assert gain_plane(loop).edge_omega[-1] == pytest.approx(np.pi / 2 / delay, rel=1e-12)
