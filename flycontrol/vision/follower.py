@@ -105,7 +105,10 @@ class Follower:
         for side in (0, 1):
             if best.doubts[side + 1]:
                 best = self._best([best.fit, *look.elsewhere(best.fit.stance, side)], border, shape)
-        return judged(with_rivals(best.fit, look), border, shape, self._usually_missed())
+        fit = with_rivals(best.fit, look)
+        if fit.stance is best.fit.stance:
+            return replace(best, fit=fit)
+        return judged(fit, border, shape, self._usually_missed())
 
     def _best(self, fits: Sequence[SilhouetteFit], border: BorderDistance, shape: FitShape) -> Judged:
         usual = self._usually_missed()
