@@ -25,15 +25,14 @@ from flycontrol.model.pose import COORDINATES, Pose, pose_of_axes
 from flycontrol.units import deg, mm
 from flycontrol.vision.calibration_check import CalibrationCheck, check_calibration
 from flycontrol.vision.fit_shape import fit_shape
-from flycontrol.vision.fly_shape import FlyShape, fly_shape
+from flycontrol.vision.fly_shape import fly_shape
+from flycontrol.vision.fly_size import SizedFly, sized_fly
 from flycontrol.vision.follower import Fly
+from flycontrol.vision.footage import FilmedFrame
 from flycontrol.vision.hull import EXACT, Tolerance, VisualHull, visual_hull
-from flycontrol.vision.size_fit import Sizes, fitted_sizes
-from flycontrol.vision.soft_silhouette import border_distance
-from flycontrol.vision.stance import stances_of
+from flycontrol.vision.sighting import sighting_of
 from flycontrol.vision.track import track
 from flycontrol.vision.tracked_frame import Track
-from flycontrol.vision.views import views_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -54,48 +53,45 @@ FOLDER = Path(__file__).resolve().parents[1] / "reports" / NAME
 
 # ## Our tracker
 #
-# It starts from the published *D. melanogaster* and is told nothing else: a first pass, sizes fitted on every sixth of
-# its frames, and a second pass with a fly of these sizes. What the other tracker found enters nowhere. To see what the
-# answer owes to sizes fitted on the very frames that are tracked, each half of them is tracked anew with sizes from the
-# other half.
-
-EVERY = 6
+# It does what `flycontrol track` does: it starts from the published *D. melanogaster*, follows it, fits its sizes to
+# the best frames and follows it anew. What the other tracker found enters nowhere. To see what the answer owes to sizes
+# fitted to the very frames that are tracked, each half of them is tracked also with sizes from the other half.
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Ours:
     """A track of some frames and the fly that was followed."""
 
-    shape: FlyShape
-    sizes: Sizes  #: over the published ones
+    sized: SizedFly
     drawing: Drawing
     track: Track
     flies: list[Placed]  #: NaN where lost
 
+    @property
+    def believed(self) -> NDArray[np.bool_]:
+        """(N, 3) whether the tracker believes its body, left and right wing."""
+        doubted = np.array([[bool(doubt) for doubt in each] for each in self.track.doubts])
+        return self.track.believed[:, None] & ~doubted
 
-def fly_of(shape: FlyShape) -> Fly:
-    """A shape with the published stroke plane."""
-    return Fly(shape=shape, stroke_plane_angle=published().stroke_plane_angle)
 
-
-def published():
+def published_fly() -> Fly:
     """*D. melanogaster*."""
-    return published_morphology("drosophila_melanogaster").morphology
+    morphology = published_morphology("drosophila_melanogaster").morphology
+    shape = fly_shape(morphology.planform, pitch_axis=morphology.pitch_axis)
+    return Fly(shape=shape, stroke_plane_angle=morphology.stroke_plane_angle)
 
 
-def published_shape() -> FlyShape:
-    """As large as published."""
-    return fly_shape(published().planform, pitch_axis=published().pitch_axis)
+def sized(filmed: Sequence[FilmedFrame], cameras: Sequence[Camera]) -> SizedFly:
+    """As large as some frames say."""
+    return sized_fly([sighting_of(frame, cameras) for frame in filmed], cameras, published_fly())
 
 
-def sized(take: Take, seen: Track, among: Iterable[int]) -> tuple[FlyShape, Sizes]:
-    """Sizes by every sixth of some frames, where they were believed."""
-    stances = stances_of(seen.pose)
-    some = [k for k in list(among)[::EVERY] if seen.believed[k]]
-    fit = fitted_sizes(
-        published_shape(), [(border_distance(views_of(take.masks[k], take.cameras), 20), stances[k]) for k in some]
-    )
-    return fit.shape, fit.sizes
+def tracked(filmed: Sequence[FilmedFrame], cameras: Sequence[Camera], own: SizedFly, *, refine: bool = True) -> Ours:
+    """Some frames by a fly of some size."""
+    found = track(filmed, cameras, own.fly, refine=refine)
+    shape = own.fly.shape
+    drawing = drawing_of(shape.profile, 1.0, fit_shape(shape).outline)
+    return Ours(sized=own, drawing=drawing, track=found, flies=our_flies(found.pose, drawing))
 
 
 def our_flies(pose: Pose, drawing: Drawing) -> list[Placed]:
@@ -104,13 +100,6 @@ def our_flies(pose: Pose, drawing: Drawing) -> list[Placed]:
     wings = np.stack([pose.wing_axes_W("left"), pose.wing_axes_W("right")], axis=1)
     each = zip(pose.position_W, pose.body_axes_W, bases, wings, strict=True)
     return [placed(x, R, base, wing, drawing) for x, R, base, wing in each]
-
-
-def tracked(take: Take, shape: FlyShape, sizes: Sizes, among: Iterable[int], *, refine: bool = True) -> Ours:
-    """Some frames by a fly of some size."""
-    found = track([take.masks[k] for k in among], take.cameras, fly_of(shape), refine=refine)
-    drawing = drawing_of(shape.profile, 1.0, fit_shape(shape).outline)
-    return Ours(shape=shape, sizes=sizes, drawing=drawing, track=found, flies=our_flies(found.pose, drawing))
 
 
 # ## Differences
@@ -162,7 +151,7 @@ def coordinates(flies: Sequence[Placed]) -> FloatArray:
     wings = np.array([fly.wings for fly in flies])
     centres = np.array([np.stack([fly.body.T @ (c - fly.position) for c in fly.wing_centres]) for fly in flies])
     pose = pose_of_axes(
-        x, R, (wings[:, 0], wings[:, 1]), (centres[:, 0], centres[:, 1]), published().stroke_plane_angle
+        x, R, (wings[:, 0], wings[:, 1]), (centres[:, 0], centres[:, 1]), published_fly().stroke_plane_angle
     )
     return pose.coordinates
 
@@ -208,6 +197,21 @@ def trial(take: Take, ours: Ours, other: Sequence[Placed], drawing: Drawing) -> 
                 )
                 gains[j, k, i] = with_ours - with_other
     return Trial(in_our_drawing=gains[0], in_other_drawing=gains[1])
+
+
+# Silhouettes of one frame know nothing of the next. A body or a wing moves on, it does not jump: turns from frame to
+# frame are a witness that neither tracker's fit has heard in full.
+
+
+def steps(flies: Sequence[Placed]) -> dict[str, FloatArray]:
+    """Turns from each frame to the next, (N - 1,) each [rad]: long axes of the parts, and the wings' planes."""
+    body, wings = np.array([fly.body for fly in flies]), np.array([fly.wings for fly in flies])
+    found = {"body": between(body[1:, :, 0], body[:-1, :, 0])}
+    for k, part in enumerate(PARTS[1:]):
+        found[part] = between(wings[1:, k, :, 0], wings[:-1, k, :, 0])
+        cosine = np.abs(np.sum(wings[1:, k, :, 2] * wings[:-1, k, :, 2], axis=1))
+        found[f"{part}'s plane"] = np.arccos(np.clip(cosine, 0, 1))
+    return found
 
 
 # ## The hull
@@ -297,15 +301,12 @@ class Findings:
 
 def findings(take: Take) -> Findings:
     """Some minutes of tracking, then seconds of comparing."""
-    count = len(take.masks)
-    every, first, second = range(count), range(count // 2), range(count // 2, count)
-    start = tracked(take, published_shape(), Sizes(), every)
-    ours = tracked(take, *sized(take, start.track, every), every)
-    halves = tuple(
-        tracked(take, *sized(take, start.track, told), among) for among, told in ((first, second), (second, first))
-    )
-    hull_alone = tracked(take, ours.shape, ours.sizes, every, refine=False)
-    drawing, cameras = other_drawing(take.model)[0], take.cameras
+    cameras, half = take.cameras, len(take.filmed) // 2
+    parts = take.filmed[:half], take.filmed[half:]
+    ours = tracked(take.filmed, cameras, sized(take.filmed, cameras))
+    halves = tuple(tracked(part, cameras, sized(told, cameras)) for part, told in zip(parts, parts[::-1], strict=True))
+    hull_alone = tracked(take.filmed, cameras, ours.sized, refine=False)
+    drawing = other_drawing(take.model)[0]
     readings = reading_rows(take)
     other = readings[0].flies
     return Findings(
@@ -319,8 +320,8 @@ def findings(take: Take) -> Findings:
         drawing=drawing,
         apart=apart(ours.flies, other, cameras),
         halves_apart=(
-            apart(halves[0].flies, other[first.start : first.stop], cameras),
-            apart(halves[1].flies, other[second.start : second.stop], cameras),
+            apart(halves[0].flies, other[:half], cameras),
+            apart(halves[1].flies, other[half:], cameras),
         ),
         hull_apart=apart(hull_alone.flies, other, cameras),
         hull_off_ours=apart(hull_alone.flies, ours.flies, cameras),
@@ -427,10 +428,12 @@ def svg_of(figure: Any) -> bytes:
 # ## The note
 
 
-def two(values: FloatArray, unit: float = deg, digits: int = 1) -> str:
+def two(values: FloatArray, unit: float = deg, digits: int = 1) -> tuple[str, str]:
     """Median and 90 % of sizes."""
     sizes = np.abs(values[np.isfinite(values)]) / unit
-    return f"{np.median(sizes):.{digits}f} | {np.percentile(sizes, 90):.{digits}f}"
+    if not len(sizes):
+        return "", ""
+    return f"{np.median(sizes):.{digits}f}", f"{np.percentile(sizes, 90):.{digits}f}"
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -448,7 +451,8 @@ def as_text(found: Findings) -> str:
     """The note as a page of Markdown."""
     return "\n".join([
         "# Beside another tracker\n", _text_of_tracking(found), _text_of_readings(found), _text_of_differences(found),
-        _text_of_halves(found), _text_of_overlap(found), _text_of_trial(found), _text_of_hulls(found),
+        _text_of_halves(found), _text_of_overlap(found), _text_of_trial(found), _text_of_steps(found),
+        _text_of_hulls(found),
         f"![Differences and overlaps over the frames]({NAME}.svg)\n",
         f"![The worst frames with both flies]({NAME}_worst.svg)",
     ]) + "\n"  # fmt: skip
@@ -456,17 +460,25 @@ def as_text(found: Findings) -> str:
 
 def _text_of_tracking(found: Findings) -> str:
     status = found.ours.track.status
-    s = found.ours.sizes
     words = ", ".join(f"{status.count(word)} {word}" for word in dict.fromkeys(status))
     alone = found.hull_alone.track.status
     pairs = "; ".join(f"{' and '.join(p.cameras)} {p.median:.2f} px" for p in found.check.pairs)
     return (
         f"{len(status)} frames of a take-off, three views, legs in the silhouettes: {words}. The hull alone: "
         f"{', '.join(f'{alone.count(word)} {word}' for word in dict.fromkeys(alone))}. Sizes fitted to silhouettes, "
-        f"over the published ones: body length {s.body_length:.3f}, body radius {s.body_radius:.3f}, wing length "
-        f"{s.wing_length:.3f}, chord {s.wing_chord:.3f}.\n\nCalibration: planes through two cameras that touch one "
-        f"silhouette miss the other by {found.check.residual:.2f} px (median; {pairs}).\n"
+        f"over the published ones: body length, radius, wing length and chord {_sizes_in_words(found.ours)}.\n\n"
+        "Calibration: planes through two cameras that touch one "
+        f"silhouette miss the other by {found.check.residual:.2f} px (median; {pairs}).\n\n"
+        f"{_doubted(found)}\n"
     )
+
+
+def _doubted(found: Findings) -> str:
+    said = []
+    for part, column in zip(PARTS, found.ours.believed.T, strict=True):
+        frames = found.take.frames[~column]
+        said.append(f"the {part} in {', '.join(map(str, frames)) if len(frames) else 'none'}")
+    return f"Our tracker itself doubts {'; '.join(said)} of the frames."
 
 
 def _text_of_readings(found: Findings) -> str:
@@ -482,23 +494,34 @@ def _text_of_readings(found: Findings) -> str:
 
 
 def _text_of_differences(found: Findings) -> str:
+    believed = found.ours.believed
+    rows = [
+        (name, *two(values, unit, digits), *two(values[believed[:, part]], unit, digits), aim)
+        for name, part, values, unit, digits, aim in differences(found)
+    ]
+    head = ("other tracker from ours", "median", "90 %", "median, believed", "90 %, believed", "aim for the median")
+    return (
+        "How far the two flies are apart, sizes of the differences, in all frames and in those in which our tracker "
+        "believes the part:\n\n" + table(head, rows)
+    )
+
+
+def differences(found: Findings) -> list[tuple[str, int, FloatArray, float, int, str]]:
+    """Name, number of the part, values (N,), unit, digits, aim."""
     a = found.apart
-    rows = [("body axis [deg]", two(a.axis), "under 6"), ("roll about it [deg]", two(a.roll), "")]
-    rows += [
-        (f"body's centre, {way} [mm]", two(a.shift[:, k], mm, 3), "")
-        for k, way in enumerate(("along the body", "across", "dorsoventral"))
-    ]
-    rows.append(("body's centre [mm]", two(np.linalg.norm(a.shift, axis=1), mm, 3), ""))
-    rows += [
-        (f"body's centre, {camera.name} [px]", two(a.pixels[:, k], 1.0), "")
-        for k, camera in enumerate(found.take.cameras)
-    ]
-    for k, side in enumerate(("left", "right")):
-        rows += [(f"{side} wing's long axis [deg]", two(a.span[:, k]), "under 8"),
-                 (f"{side} wing's plane [deg]", two(a.normal[:, k]), "")]  # fmt: skip
-    rows += [(f"{COORDINATES[k].replace('_', ' ')} [deg]", two(folded(a.coordinates[:, k])), "") for k in range(3, 12)]
-    head = ("other tracker from ours", "median", "90 %", "aim for the median")
-    return "How far the two flies are apart, sizes of the differences:\n\n" + table(head, rows)
+    rows = [("body axis [deg]", 0, a.axis, deg, 1, "under 6"), ("roll about it [deg]", 0, a.roll, deg, 1, "")]
+    for k, way in enumerate(("along the body", "across", "dorsoventral")):
+        rows.append((f"body's centre, {way} [mm]", 0, a.shift[:, k], mm, 3, ""))
+    rows.append(("body's centre [mm]", 0, np.linalg.norm(a.shift, axis=1), mm, 3, ""))
+    for k, camera in enumerate(found.take.cameras):
+        rows.append((f"body's centre, {camera.name} [px]", 0, a.pixels[:, k], 1.0, 1, ""))
+    for k, part in enumerate(PARTS[1:]):
+        rows.append((f"{part}'s long axis [deg]", k + 1, a.span[:, k], deg, 1, "under 8"))
+        rows.append((f"{part}'s plane [deg]", k + 1, a.normal[:, k], deg, 1, ""))
+    for k in range(3, 12):
+        name = f"{COORDINATES[k].replace('_', ' ')} [deg]"
+        rows.append((name, max(k // 3 - 1, 0), folded(a.coordinates[:, k]), deg, 1, ""))
+    return rows
 
 
 def _text_of_halves(found: Findings) -> str:
@@ -508,9 +531,9 @@ def _text_of_halves(found: Findings) -> str:
         ("first half, sizes from all frames", found.ours, slice(None, count)),
         ("second half, sizes from all frames", found.ours, slice(count, None)),
     ):
-        rows.append((name, *_medians(found.apart, parts), _sizes_in_words(own.sizes)))
+        rows.append((name, *_medians(found.apart, parts), _sizes_in_words(own)))
     for name, own, away in zip(("first", "second"), found.halves, found.halves_apart, strict=True):
-        row = (f"{name} half, sizes from the other half", *_medians(away, slice(None)), _sizes_in_words(own.sizes))
+        row = (f"{name} half, sizes from the other half", *_medians(away, slice(None)), _sizes_in_words(own))
         rows.append(row)
     rows.append(("all, the hull alone", *_medians(found.hull_apart, slice(None)), ""))
     rows.append(("all, the hull alone off our fit", *_medians(found.hull_off_ours, slice(None)), ""))
@@ -522,8 +545,14 @@ def _medians(a: Apart, rows: slice, digits: int = 1) -> tuple[str, ...]:
     return tuple(f"{np.nanmedian(a.part(part)[rows]) / deg:.{digits}f}" for part in PARTS)
 
 
-def _sizes_in_words(s: Sizes) -> str:
-    return ", ".join(f"{x:.3f}" for x in (s.body_length, s.body_radius, s.wing_length, s.wing_chord))
+def _sizes_in_words(own: Ours) -> str:
+    return ", ".join(f"{x:.3f}" for x in sizes_of(own)) or "as published"
+
+
+def sizes_of(own: Ours) -> tuple[float, ...]:
+    """Length and radius of the body, length and chord of a wing over the published ones; nothing if not fitted."""
+    s = own.sized.sizes
+    return () if s is None else (s.body_length, s.body_radius, s.wing_length, s.wing_chord)
 
 
 def _text_of_overlap(found: Findings) -> str:
@@ -567,8 +596,9 @@ def counts(found: Findings, part: Part, least: float = 0.0) -> dict[str, int]:
 def _text_of_trial(found: Findings) -> str:
     rows, (last, same, ours, other) = [], still(found)
     for part, aim in zip(PARTS, (6, 8, 8), strict=True):
-        rows.append((part, *(str(n) for n in counts(found, part).values())))
-        rows.append((f"{part}, {aim} deg or more apart", *(str(n) for n in counts(found, part, aim * deg).values())))
+        for name, least in ((part, 0.0), (f"{part}, {aim} deg or more apart", aim * deg)):
+            doubted = np.count_nonzero((found.apart.part(part) >= least) & ~found.ours.believed[:, PARTS.index(part)])
+            rows.append((name, *(str(n) for n in counts(found, part, least).values()), str(doubted)))
     worst = [
         f"- frame {found.take.frames[k]}, {part} {found.apart.part(part)[k] / deg:.0f} deg apart: "
         f"{found.trial.verdict(k, part)} (overlap by our place {found.trial.in_our_drawing[k, PARTS.index(part)]:+.3f} "
@@ -578,13 +608,24 @@ def _text_of_trial(found: Findings) -> str:
     return (
         "Who is wrong: a part's place is exchanged in both drawings, and both must agree on whose the silhouettes "
         "look more like. Frames:\n\n"
-        + table(("part", *VERDICTS), rows)
+        + table(("part", *VERDICTS, "doubted by our tracker"), rows)
         + "\nThe worst frames:\n\n"
         + "\n".join(worst)
         + f"\n\nFrom frame {found.take.frames[0]} to frame {found.take.frames[last]}, whose silhouettes, centred, "
         f"overlap by {same:.2f}, our body axis turns by {ours / deg:.1f} deg and the other tracker's by "
         f"{other / deg:.1f} deg.\n"
     )
+
+
+def _text_of_steps(found: Findings) -> str:
+    ours, other = steps(found.ours.flies), steps(found.other)
+    rows = [(name, *_middle_and_most(ours[name]), *_middle_and_most(other[name])) for name in ours]
+    head = ("from one frame to the next [deg]", "ours, median", "most", "the other tracker's, median", "most")
+    return "Turns in a sixth of a millisecond:\n\n" + table(head, rows)
+
+
+def _middle_and_most(turns: FloatArray) -> tuple[str, str]:
+    return f"{np.nanmedian(turns) / deg:.1f}", f"{np.nanmax(turns) / deg:.0f}"
 
 
 def _text_of_hulls(found: Findings) -> str:
@@ -660,9 +701,11 @@ def as_numbers(found: Findings) -> str:
     rows: dict[str, Any] = {
         "claims": claims(found),
         "status": list(found.ours.track.status),
+        "doubted_frames": {part: found.take.frames[~column].tolist()
+                           for part, column in zip(PARTS, found.ours.believed.T, strict=True)},
         "reasons": [reason for reason in found.ours.track.reasons if reason],
         "sizes_over_published": dict(zip(("body_length", "body_radius", "wing_length", "wing_chord"),
-                                         _numbers_of(found.ours.sizes), strict=True)),
+                                         sizes_of(found.ours), strict=False)),
         "epipolar_residual_px": found.check.residual,
         "readings": [
             {"reading": str(row.reading), "overlap": row.overlap.tolist(),
@@ -681,14 +724,15 @@ def as_numbers(found: Findings) -> str:
         "overlap_ours": np.nanmedian(found.our_overlap, axis=0).tolist(),
         "overlap_other": np.nanmedian(found.other_overlap, axis=0).tolist(),
         "verdicts": {part: counts(found, part) for part in PARTS},
+        "steps_deg": {
+            whose: {part: {"median": float(np.nanmedian(turn) / deg), "most": float(np.nanmax(turn) / deg)}
+                    for part, turn in steps(flies).items()}
+            for whose, flies in (("ours", found.ours.flies), ("other", found.other))
+        },
         "hull_coverage_median": {name: np.median(row.coverage, axis=0).tolist() for name, row in found.hulls.items()},
     }  # fmt: skip
     short = json.loads(json.dumps(rows), parse_float=lambda text: float(f"{float(text):.4g}"))
     return json.dumps(short, indent=1) + "\n"
-
-
-def _numbers_of(s: Sizes) -> tuple[float, ...]:
-    return s.body_length, s.body_radius, s.wing_length, s.wing_chord
 
 
 def _spread(values: FloatArray) -> dict[str, float]:

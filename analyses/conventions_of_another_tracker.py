@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 from scipy.spatial.transform import Rotation
 
+from flycontrol.io.movies.open_films import open_films
 from flycontrol.model.camera import Camera
 from flycontrol.model.camera_forms import camera_from_dlt
 from flycontrol.units import mm
-from flycontrol.vision.silhouettes import cleaned
+from flycontrol.vision.footage import FilmedFrame, Footage
 
 FloatArray = NDArray[np.float64]
 DATA = Path(os.environ.get("FLYCONTROL_DATA", Path(__file__).resolve().parents[2] / "shared" / "data"))
@@ -40,10 +41,15 @@ class Take:
     """What the file has, N frames seen by C cameras; lengths in [m], world z up."""
 
     frames: NDArray[np.int64]  #: (N,) their numbers
-    masks: list[Masks]  #: without dust, legs and all
+    filmed: list[FilmedFrame]  #: N, legs and all
     cameras: list[Camera]
     state: FloatArray  #: (N, 15) of the other tracker: position [mm], three quaternions, world z down
     model: dict[str, FloatArray]  #: its fly
+
+    @property
+    def masks(self) -> list[Masks]:
+        """Silhouettes without dust."""
+        return [tuple(silhouette.mask for silhouette in frame.silhouettes) for frame in self.filmed]
 
 
 def read_take() -> Take:
@@ -51,18 +57,19 @@ def read_take() -> Take:
     path = DATA / FILE
     if not path.is_file():
         sys.exit(f"The silhouettes are not at {path}; set FLYCONTROL_DATA to the folder with silhouettes.")
+    opened = open_films([path])
     with np.load(path) as file:
-        found = {name: file[name] for name in file.files}
-    rows, columns = (int(n) for n in found["mask_shape"])
-    raw = np.unpackbits(found["masks_packed"], axis=-1).reshape(-1, 3, rows, columns).astype(bool)
+        found = {name: file[name] for name in file.files if name in ("frames", "DLT", "xh") or "model" in name}
     middle = UPRIGHT @ found["xh"][:, :3].mean(axis=0) * mm
     cameras = [
-        camera_from_dlt(found["DLT"][:, k], (rows, columns), name=f"camera {k + 1}").moved(UPRIGHT).facing(middle)
-        for k in range(3)
+        camera_from_dlt(L, film.shape, name=f"camera {k + 1}").moved(UPRIGHT).facing(middle)
+        for k, (L, film) in enumerate(zip(found["DLT"].T, opened.films, strict=True))
     ]
+    assert opened.frame_rate
+    footage = Footage(films=opened.films, frame_rate=opened.frame_rate, backgrounds=opened.backgrounds)
     return Take(
         frames=found["frames"],
-        masks=[tuple(cleaned(mask).mask for mask in views) for views in raw],
+        filmed=list(footage),
         cameras=cameras,
         state=found["xh"],
         model={name: value for name, value in found.items() if name.startswith("model_")},

@@ -37,7 +37,7 @@ def results(notes, tmp_path_factory):
     note = notes["beside_another_tracker"]
     take = note.read_take()
     note.read_take = lambda: replace(
-        take, frames=take.frames[LAST], masks=take.masks[LAST], state=take.state[LAST]
+        take, frames=take.frames[LAST], filmed=take.filmed[LAST], state=take.state[LAST]
     )  # fmt: skip
     folder = tmp_path_factory.mktemp("beside_another_tracker")
     return note.main(folder), folder
