@@ -91,6 +91,13 @@ def test_a_wing_is_placed_by_the_centre_and_the_long_axis_of_its_outline(notes):
     np.testing.assert_allclose(np.ptp(drawing.wing, axis=0), [4, 1], atol=1e-12)
 
 
+def test_an_even_turn_keeps_to_the_middle_and_a_kink_is_off_it_whatever_the_axes_signs(notes):
+    angle = np.array([0.0, 10.0, 20.0, 35.0, 40.0]) * deg
+    axes = np.stack([np.cos(angle), np.sin(angle), np.zeros(5)], axis=1) * [[1], [-1], [1], [1], [-1]]
+    off = notes["beside_another_tracker"].off_the_middle(axes)
+    np.testing.assert_allclose(off, [0, 2.5 * deg, 5 * deg], atol=1e-12)
+
+
 def test_the_note_its_figures_and_its_claims_are_written(results):
     _, folder = results
     assert sorted(path.name.removeprefix("beside_another_tracker") for path in folder.iterdir()) == [
