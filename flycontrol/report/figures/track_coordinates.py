@@ -70,6 +70,7 @@ def coordinates_over_time(
         ax.set_xlabel("time [ms]")
     figure.align_ylabels(axes)
     legend_on_top(figure, [*_keys(curves), *shade_keys(spans)])
+    figure.draw_without_rendering()  # the layout goes by tick labels that a first drawing finds
     return figure
 
 

@@ -67,6 +67,7 @@ def agreement_over_time(flight: TrackedFlight, survey: Survey, spans: Sequence[S
     limit_to(strip, time)
     figure.align_ylabels([strip, *panels])
     legend_on_top(figure, [Line2D([], [], **line) for line in _lines(flight)] + shade_keys(spans))
+    figure.draw_without_rendering()  # the layout goes by tick labels that a first drawing finds
     return figure
 
 
@@ -90,6 +91,7 @@ def uncertainty_over_time(flight: TrackedFlight, spans: Sequence[Span]) -> Figur
     figure.align_ylabels(panels)
     if shade_keys(spans):
         legend_on_top(figure, shade_keys(spans))
+    figure.draw_without_rendering()  # the layout goes by tick labels that a first drawing finds
     return figure
 
 

@@ -63,6 +63,7 @@ def body_rates(flight: TrackedFlight, spans: Sequence[Span]) -> Figure:
     ]  # fmt: skip
     keys += [] if flight.truth is None else [Line2D([], [], label="truth", **TRUTH)]
     legend_on_top(figure, [*keys, *shade_keys(spans)])
+    figure.draw_without_rendering()  # the layout goes by tick labels that a first drawing finds
     return figure
 
 
