@@ -17,6 +17,7 @@ from flycontrol.report.figures.track_panels import (
     TRUTH,
     drawn_line,
     drawn_points,
+    leave_room_for_labels,
     legend_on_top,
     limit_to,
     shade,
@@ -70,7 +71,7 @@ def coordinates_over_time(
         ax.set_xlabel("time [ms]")
     figure.align_ylabels(axes)
     legend_on_top(figure, [*_keys(curves), *shade_keys(spans)])
-    figure.draw_without_rendering()  # the layout goes by tick labels that a first drawing finds
+    leave_room_for_labels(figure)
     return figure
 
 

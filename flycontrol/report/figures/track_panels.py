@@ -81,6 +81,11 @@ def drawn_points(count: int, most: int = 240) -> slice:
     return slice(None, None, max(1, -(-count // most)))
 
 
+def leave_room_for_labels(figure: Figure) -> None:
+    """Widen the margins a little: labels that are aligned across panels stand farther out than the layout expects."""
+    figure.set_layout_engine("constrained", w_pad=0.11, h_pad=0.04)
+
+
 def legend_on_top(figure: Figure, handles: Sequence[Any], columns: int = 6) -> None:
     """In rows above all panels."""
     figure.legend(handles=list(handles), loc="outside upper left", ncols=columns, borderaxespad=0)

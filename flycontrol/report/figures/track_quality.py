@@ -17,6 +17,7 @@ from flycontrol.report.figures.track_panels import (
     SHADES,
     drawn_line,
     frame_edges,
+    leave_room_for_labels,
     legend_on_top,
     limit_to,
     shade,
@@ -67,7 +68,7 @@ def agreement_over_time(flight: TrackedFlight, survey: Survey, spans: Sequence[S
     limit_to(strip, time)
     figure.align_ylabels([strip, *panels])
     legend_on_top(figure, [Line2D([], [], **line) for line in _lines(flight)] + shade_keys(spans))
-    figure.draw_without_rendering()  # the layout goes by tick labels that a first drawing finds
+    leave_room_for_labels(figure)
     return figure
 
 
@@ -91,7 +92,7 @@ def uncertainty_over_time(flight: TrackedFlight, spans: Sequence[Span]) -> Figur
     figure.align_ylabels(panels)
     if shade_keys(spans):
         legend_on_top(figure, shade_keys(spans))
-    figure.draw_without_rendering()  # the layout goes by tick labels that a first drawing finds
+    leave_room_for_labels(figure)
     return figure
 
 

@@ -16,6 +16,7 @@ from flycontrol.report.figures.track_panels import (
     SMOOTHED,
     TRUTH,
     drawn_line,
+    leave_room_for_labels,
     legend_on_top,
     limit_to,
     shade,
@@ -63,7 +64,7 @@ def body_rates(flight: TrackedFlight, spans: Sequence[Span]) -> Figure:
     ]  # fmt: skip
     keys += [] if flight.truth is None else [Line2D([], [], label="truth", **TRUTH)]
     legend_on_top(figure, [*keys, *shade_keys(spans)])
-    figure.draw_without_rendering()  # the layout goes by tick labels that a first drawing finds
+    leave_room_for_labels(figure)
     return figure
 
 
