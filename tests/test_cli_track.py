@@ -204,6 +204,7 @@ def test_films_that_cannot_be_tracked_are_refused_in_a_sentence_and_nothing_is_w
         ((*rate, "--frames", "0:12"), "the films have the frames 0 to 11"),
         ((*rate, "--unit", "m"), "m across"),
         ((*rate, "--unit", "px"), "--unit"),
+        ((*rate, "--rows-from-below"), "needs --first-pixel"),
         ((*rate, "--camera-variable", "Q"), "Q"),
         ((*rate, "--cameras", "nowhere.csv"), "nowhere.csv"),
         ((*rate, "--contrast", "-3"), "--contrast"),

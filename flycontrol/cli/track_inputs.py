@@ -242,12 +242,13 @@ def _frame_rate(typed: float | None, told: float | None) -> float:
 def _cameras(films: FilmOptions, file: Path, shapes: Sequence[tuple[int, int]]) -> tuple[Camera, ...]:
     from flycontrol.io.cameras import read_cameras
     from flycontrol.io.quantities import LENGTH, unit_factor
-    from flycontrol.model.camera_forms import MATLAB_PIXELS, OPENCV_PIXELS, PixelConvention
+    from flycontrol.model.camera_forms import PixelConvention
 
+    if films.rows_from_below and films.first_pixel is None:
+        raise InvalidInputError("--rows-from-below needs --first-pixel too: 1 as MATLAB counts, 0 as OpenCV does.")
     pixels = None
-    if films.first_pixel is not None or films.rows_from_below:
-        usual = OPENCV_PIXELS if films.first_pixel == 0 else MATLAB_PIXELS
-        pixels = PixelConvention(first=usual.first, from_below=films.rows_from_below)
+    if films.first_pixel is not None:
+        pixels = PixelConvention(first=float(films.first_pixel), from_below=films.rows_from_below)
     unit = unit_factor(films.unit, LENGTH, key="--unit")
     return read_cameras(file, shapes, unit=unit, pixels=pixels, variable=films.camera_variable)
 

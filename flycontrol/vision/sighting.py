@@ -22,6 +22,7 @@ FloatArray = NDArray[np.float64]
 
 _FULL = 0.5  #: of an image: no animal that is followed fills more of it (C)
 _REACH = 0.3  #: wing lengths around the expected fly in which its own parts lie (C)
+_IN_VIEW = 0.6  #: of a body, without which its place and attitude are not told (C)
 _RIVAL = 0.5  #: of the largest part: what is larger may be another animal, as in `Segmentation`
 _AGREEING = 3.0  #: epipolar residual of parts that may be of one animal [px] (C)
 _MOST_CHOICES = 64
@@ -70,6 +71,16 @@ def of_the_expected(
     Where nothing would be left, the silhouette stays as it is.
     """
     return tuple(_near(mask, camera, shape, expected) for mask, camera in zip(masks, cameras, strict=True))
+
+
+def leaving(masks: Sequence[BoolArray], cameras: Sequence[Camera], shape: FitShape, expected: Stance) -> str:
+    """Name of a camera whose image ends before most of an expected body, and whose silhouette reaches that end."""
+    body = expected.position_W + shape.spheres[:, :3] @ expected.body_axes_W.T
+    for mask, camera in zip(masks, cameras, strict=True):
+        ends = mask[0].any() or mask[-1].any() or mask[:, 0].any() or mask[:, -1].any() or not mask.any()
+        if ends and float(np.mean(camera.sees(camera.project(body)))) < _IN_VIEW:
+            return camera.name
+    return ""
 
 
 def one_animal(masks: Sequence[BoolArray], cameras: Sequence[Camera]) -> tuple[BoolArray, ...]:

@@ -14,9 +14,9 @@ from flycontrol.vision.first_pose import FirstPose, Masks, first_pose
 from flycontrol.vision.fit_shape import fit_shape
 from flycontrol.vision.follower import Fly, Follower
 from flycontrol.vision.footage import FilmedFrame
-from flycontrol.vision.sighting import Sighting, of_the_expected, one_animal, sighting_of
+from flycontrol.vision.sighting import Sighting, leaving, of_the_expected, one_animal, sighting_of
 from flycontrol.vision.tracked_frame import Track, TrackedFrame, gathered
-from flycontrol.vision.views import require_fitting
+from flycontrol.vision.views import BoolArray, require_fitting
 
 FIRST = 48  #: frames among which the first pose is looked for
 
@@ -113,16 +113,25 @@ class Pursuit:
 def _followed(follower: Follower, sighting: Sighting) -> TrackedFrame:
     if sighting.fault:
         return follower.missed(sighting.fault)
-    masks = sighting.masks
+    masks, shape = sighting.masks, fit_shape(follower.fly.shape)
     if follower.past:
-        masks = of_the_expected(masks, follower.cameras, fit_shape(follower.fly.shape), follower.past[-1])
+        if camera := leaving(masks, follower.cameras, shape, follower.past[-1]):
+            return follower.missed(f"most of the body is out of the image of {camera}")
+        masks = of_the_expected(masks, follower.cameras, shape, follower.past[-1])
     elif sighting.crowded:
         masks = one_animal(masks, follower.cameras)
     found = follower.follow(masks)
-    if sighting.crowded and found.status in ("tracked", "partial"):
-        whom = f"more than one animal before {', '.join(sighting.crowded)}; that near the expected one is followed"
-        return replace(found, status="partial", reason="; ".join(reason for reason in (found.reason, whom) if reason))
-    return found
+    if not sighting.crowded or found.status not in ("tracked", "partial"):
+        return found
+    whom = _crowd(sighting, masks)
+    return replace(found, status="partial", reason="; ".join(reason for reason in (found.reason, whom) if reason))
+
+
+def _crowd(sighting: Sighting, followed: Sequence[BoolArray]) -> str:
+    seen = ", ".join(sighting.crowded)
+    if any(np.count_nonzero(all_) > np.count_nonzero(one) for all_, one in zip(sighting.masks, followed, strict=True)):
+        return f"more than one animal before {seen}; that near the expected one is followed"
+    return f"the silhouette is in several large pieces before {seen}"
 
 
 def _lost(sighting: Sighting) -> TrackedFrame:

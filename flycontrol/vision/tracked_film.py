@@ -91,10 +91,9 @@ class _Run:
     def whole(self) -> TrackedFilm:
         sized = self._sized()
         pursuit = Pursuit(cameras=self.cameras, fly=sized.fly, refine=self.asked.refine)
-        frames = list(self._frames(pursuit))
+        track = gathered(self._frames(pursuit), sized.fly.stroke_plane_angle, len(self.cameras))
         if pursuit.follower is None:
             raise InvalidInputError(NOWHERE)
-        track = gathered(frames, sized.fly.stroke_plane_angle, len(self.cameras))
         return TrackedFilm(track=track, sized=sized)
 
     def _sized(self) -> SizedFly:
