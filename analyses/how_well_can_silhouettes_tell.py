@@ -1,7 +1,7 @@
 """How well can silhouettes tell where a fly and its wings are: by pixels, cameras, images, and what is known of it?
 
 Run with `python analyses/how_well_can_silhouettes_tell.py [FOLDER]`. The note, the numbers and the figures go to
-reports/how_well_can_silhouettes_tell unless a folder is given. It takes about four minutes on one core.
+reports/how_well_can_silhouettes_tell unless a folder is given. It takes some five minutes on one core.
 """
 
 import io
@@ -520,8 +520,6 @@ def name_ways(figure: "Figure", ax: "Axes", fit: str, hull: str) -> None:
 
 def draw_over_pixels(ax: "Axes", by_scale: list[Tried], quantities: Sequence[Quantity]) -> None:
     """Fit dark and filled, hull light and hollow."""
-    from flycontrol.report.style import plain_log_ticks
-
     scale = np.array([each.filming.scale * mm for each in by_scale])
     for quantity, marker, line in zip(quantities, "osD", ("-", "--", ":"), strict=False):
         for way, color, fill in (("fit", _DARK, _DARK), ("hull", _ORANGE, "white")):
@@ -535,10 +533,20 @@ def draw_over_pixels(ax: "Axes", by_scale: list[Tried], quantities: Sequence[Qua
     ax.set(xscale="log", yscale="log", xlabel="pixels a millimetre", ylabel=f"median error [{_unit_of(quantities[0])}]")
     ax.set_xticks(scale, [f"{s:.0f}" for s in scale])
     ax.minorticks_off()
-    plain_log_ticks(ax, "y")
+    ticks_at_1_2_5(ax)
     low, high = ax.get_ylim()
     ax.set_ylim(low, high * (high / low) ** 0.3)  # room for the names
     ax.legend(loc="upper left", fontsize=7.5, ncols=2, handlelength=2.2, columnspacing=1.2)
+
+
+def ticks_at_1_2_5(ax: "Axes") -> None:
+    """Enough numbers on a logarithmic axis of a decade or two."""
+    from matplotlib.ticker import LogLocator
+
+    from flycontrol.report.style import plain_log_ticks
+
+    ax.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    plain_log_ticks(ax, "y")
 
 
 def _unit_of(quantity: Quantity) -> str:
@@ -601,8 +609,6 @@ def figure_of_wingbeat(found: Findings) -> "Figure":
 
 def draw_along_wingbeat(ax: "Axes", found: Findings, quantity: Quantity) -> None:
     """Medians and 95 % of frames by twelfths; reversals at 0, 0.5 and 1."""
-    from flycontrol.report.style import plain_log_ticks
-
     x = (np.arange(BINS) + 0.5) / BINS
     for part, name, color, line in ((found.whole, "fit", _DARK, "-"), (found.whole_hull, "hull", _ORANGE, "--")):
         ends = np.array([_quantiles(by_twelfth(part, k), quantity) for k in range(BINS)])
@@ -615,7 +621,7 @@ def draw_along_wingbeat(ax: "Axes", found: Findings, quantity: Quantity) -> None
     )  # fmt: skip
     ax.set_xticks([0, 0.25, 0.5, 0.75, 1], ["0", "0.25", "0.5", "0.75", "1"])
     ax.minorticks_off()
-    plain_log_ticks(ax, "y")
+    ticks_at_1_2_5(ax)
 
 
 def by_twelfth(found: Found, k: int) -> Found:
