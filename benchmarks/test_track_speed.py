@@ -14,7 +14,7 @@ from test_speed import US
 
 from flycontrol.units import deg
 from flycontrol.vision.stance import pose_of
-from flycontrol.vision.track import tracked_frames
+from flycontrol.vision.track import FIRST, tracked_frames
 
 FRAMES = 110  #: three wingbeats
 MB = 1e6
@@ -45,14 +45,14 @@ def worst_turn(frames):
 @pytest.mark.parametrize("refine", [False, True], ids=["hull alone", "refined"])
 def test_a_flight_is_tracked(benchmark, rows, refine):
     frames, done = benchmark.pedantic(followed, args=(refine,), rounds=1, warmup_rounds=0)
-    each = np.diff(done)
+    each = np.diff(done[FIRST - 1 :])  # those before come together, once the first pose is found
     tracked = sum(frame.status == "tracked" for frame in frames)
     rows.append(
         Row(
             job="a frame tracked, three views", tool=US, use="refined" if refine else "hull alone",
-            setting=f"{1 / np.mean(each):.3g} a second; {FRAMES / done[-1]:.3g} with the first pose; "
+            setting=f"{1 / np.mean(each):.3g} a second; {FRAMES / done[-1]:.3g} with the first pose looked for; "
                     f"{tracked} of {FRAMES} tracked",
-            setup_s=float(done[0]), run_s=float(np.median(each)), best_s=float(each.min()),
+            run_s=float(np.median(each)), best_s=float(each.min()),
             error=worst_turn(frames) / deg, unit="deg",
         )
     )  # fmt: skip
