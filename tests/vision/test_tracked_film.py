@@ -159,3 +159,16 @@ def test_a_part_of_a_film_holds_the_frames_that_were_asked_for():
     part = FilmPart(film, range(2, 12, 3))
     assert (len(part), part.shape, part.binary, part.name) == (4, film.shape, True, film.name)
     assert np.array_equal(part.image(2), film.image(8))
+
+
+@pytest.mark.slow
+def test_a_fly_that_leaves_the_view_is_lost_and_found_again_and_never_told_wrong():
+    made = turning_flight(3)[:100]
+    X = made.coordinates.copy()
+    X[:, 0] += -1 * mm + 8 * mm * np.exp(-(((np.arange(100) / 100 - 0.45) / 0.17) ** 2))  # out of two views and back
+    pose = replace(made, coordinates=X)
+    found = tracked_film(filmed(pose=pose), CAMERAS, AS_GIVEN).track
+    away = np.abs(apart(found.pose, pose))[found.believed, 3:12]
+    assert {"partial", "bridged", "lost"} <= set(found.status)
+    assert found.status[-10:] == ("tracked",) * 10
+    assert np.max(away) < 10 * deg  # a wing beats by up to 15 deg a frame
