@@ -105,8 +105,8 @@ def summary(validation: Validation) -> str:
     judged = sum(count[verdict] for verdict in ("agrees", "roughly", "fails", "cannot be told"))
     agree, roughly, fail = (counted(count[verdict], *words) for verdict, words in _VERBS.items())
     sentence = (
-        f"Of {judged} claims and numbers of the review and its sources, {agree} with what the package finds, {roughly} "
-        f"and {fail}"
+        f"Of {judged} claims and numbers of the review and its sources, {agree} with what the package finds"
+        f"{_on_what(validation.rows)}, {roughly} and {fail}"
     )
     sentence += f"; {count['cannot be told']} cannot be told." if count["cannot be told"] else "."
     if count["shown here"]:
@@ -115,3 +115,10 @@ def summary(validation: Validation) -> str:
         names = ", ".join(finding.name for finding in validation.failed)
         sentence += f" {len(validation.failed)} of {len(validation.findings)} analyses gave no result: {names}."
     return sentence
+
+
+def _on_what(rows: tuple[Row, ...]) -> str:
+    """How many of those that agree rest on measurements: a simulation that agrees is no observation."""
+    bases = [row.claim.basis for row in rows if row.claim.verdict == "agrees" and row.claim.basis]
+    simulated = bases.count("simulated")
+    return f" ({len(bases) - simulated} on real data, {simulated} in simulation alone)" if bases else ""

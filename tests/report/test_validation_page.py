@@ -65,6 +65,13 @@ def test_the_summary_counts_every_claim_once(validation):
     assert sum(len(rows) for rows in validation.by_section().values()) == len(validation.rows)
 
 
+def test_the_summary_says_how_many_agreements_rest_on_measurements(validation):
+    assert "(" not in summary(validation)  # no analysis says
+    bases = ("simulated and real data", "real data", "simulated")
+    told = replace(validation.findings[0], claims=tuple(claim("agrees", basis=basis) for basis in bases))
+    assert "(2 on real data, 1 in simulation alone)" in summary(replace(validation, findings=(told,)))
+
+
 def test_without_measurements_the_page_says_so(validation):
     page = validation_page(replace(validation, data=(), data_sha256=""), ORIGIN)
     assert "Real measurements were not there" in page
