@@ -3,7 +3,9 @@
     minimise  sum over channels of |rho(V^(-1/2) (model(x) - measured))| + sum of ((x - mean) / deviation)^2 of priors,
 
 V the noise's covariance. Steps solve (H + lambda diag H) d = -g with H = J^T J (Marquardt 1963); an unknown at a bound
-that the gradient pushes outwards is held there.
+that the gradient pushes outwards is held there. The cost has a kink at every delay that puts an edge of a pulse on a
+sample of the paddling angle, and its minimum may lie at one: a delay with the gradient towards it on both sides is held
+there while the others are sought.
 """
 
 from __future__ import annotations
@@ -23,6 +25,8 @@ FloatArray = NDArray[np.float64]
 Loss = Literal["linear", "huber"]
 _HUBER = 1.345  #: 95 % efficient for normal noise (Huber 1981)
 _CLOSE = 1e-9  #: Newton decrement in units of the noise's variance: 3e-5 standard errors from the minimum
+_BESIDE = 1e-5  #: of a standard error, below what _CLOSE asks: where both sides of a kink are looked at
+_STEEP, _STUCK = 1e5, 1e12  #: damping that makes one look for a kink, and with which steps cannot be told from none
 _REGULAR = 1e-10  #: of the scaled matrix: where K_D = 0 it and the delay have one derivative, and J^T J is singular
 
 
@@ -49,6 +53,7 @@ class Minimum:
     converged: bool
     held: NDArray[np.bool_]  #: (k,) unknowns at a bound, and torque limits that are never reached
     steps: int
+    at_kink: bool = False  #: of the cost, in a delay
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -141,31 +146,73 @@ def minimise(
     at = weighted.normal_equations(x)
     if not at.finite:
         return Minimum(x, at, False, np.zeros(len(x), dtype=np.bool_), 0)
-    damping, freedom = 1e-3, max(problem.samples - len(x), 1)
+    damping, freedom, kinks = 1e-3, max(problem.samples - len(x), 1), []
     for step in range(most_steps):
-        free = _free(problem, x, at.gradient, fixed)
-        size = np.sqrt(np.maximum(np.diag(at.matrix), 1e-300))
-        H, g = at.matrix / (size * size[:, None]), at.gradient / size
-        if not free.all():
-            H, g = H[free][:, free], g[free]
-        newton = _solved(H, g, _REGULAR)
-        if g @ newton <= close * (scale or at.cost / freedom):
-            return Minimum(x, at, True, ~free, step)
-        while True:
-            move = np.zeros(len(x))
-            move[free] = -_solved(H, g, damping) / size[free]
-            trial = np.clip(x + move, low, high)
-            there = weighted.normal_equations(trial)
-            if there.cost <= at.cost and there.finite:
-                break
-            damping = max(damping * 10, 1e-7)
-            if damping > 1e12:
-                return Minimum(x, at, bool(g @ newton <= 1e-4 * (scale or at.cost / freedom)), ~free, step)
-        expected = -(2 * at.gradient @ move + move @ at.matrix @ move)
-        gained = at.cost - there.cost
-        damping = _next_damping(damping, float(gained / expected) if expected > 1e-9 * at.cost else 1.0)
-        x, at = trial, there
+        free = _free(problem, x, at.gradient, [*fixed, *kinks])
+        decrement = _decrement(at, free)
+        if decrement <= close * (scale or at.cost / freedom):
+            if all(_at_kink(weighted, x, at, i) for i in kinks):
+                return Minimum(x, at, True, ~_free(problem, x, at.gradient, fixed), step, bool(kinks))
+            kinks = []
+            continue
+        taken = _step(weighted, x, at, free, damping, _STEEP)
+        if taken is None:
+            found = [i for i in _delays(problem, free) if _at_kink(weighted, x, at, i)]
+            if found:
+                kinks, damping = [*kinks, *found], 1e-3
+                continue
+            taken = _step(weighted, x, at, free, _STEEP, _STUCK)
+        if taken is None:
+            near = decrement <= 1e-4 * (scale or at.cost / freedom)
+            return Minimum(x, at, near, ~_free(problem, x, at.gradient, fixed), step)
+        x, at, damping = taken
     return Minimum(x, at, False, (x <= low) | (x >= high), most_steps)
+
+
+def _decrement(at: NormalEquations, free: NDArray[np.bool_]) -> float:
+    """g^T H^-1 g over the free unknowns."""
+    H, g, _ = _scaled(at, free)
+    return float(g @ _solved(H, g, _REGULAR))
+
+
+def _scaled(at: NormalEquations, free: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Matrix with a unit diagonal, gradient, and the sizes that make them so, of the free unknowns."""
+    size = np.sqrt(np.maximum(np.diag(at.matrix), 1e-300))[free]
+    return at.matrix[free][:, free] / (size * size[:, None]), at.gradient[free] / size, size
+
+
+def _step(
+    weighted: WeightedProblem, x: FloatArray, at: NormalEquations, free: NDArray[np.bool_], damping: float, most: float
+) -> tuple[FloatArray, NormalEquations, float] | None:
+    """A step that does not go up, and the damping of the next; None if there is none up to the most damping."""
+    H, g, size = _scaled(at, free)
+    while True:
+        move = np.zeros(len(x))
+        move[free] = -_solved(H, g, damping) / size
+        trial = np.clip(x + move, weighted.problem.low, weighted.problem.high)
+        there = weighted.normal_equations(trial)
+        if there.cost <= at.cost and there.finite:
+            break
+        damping = max(damping * 10, 1e-7)
+        if damping > most:
+            return None
+    expected = -(2 * at.gradient @ move + move @ at.matrix @ move)
+    gained = at.cost - there.cost
+    return trial, there, _next_damping(damping, float(gained / expected) if expected > 1e-9 * at.cost else 1.0)
+
+
+def _delays(problem: FitProblem, free: NDArray[np.bool_]) -> list[int]:
+    """Free unknowns that move the edges of a pulse's answer over the samples."""
+    return [i for i, kind in enumerate(problem.kinds) if free[i] and kind in ("delay", "onset_shift")]
+
+
+def _at_kink(weighted: WeightedProblem, x: FloatArray, at: NormalEquations, i: int) -> bool:
+    """Whether the cost rises from unknown i to either side."""
+    beside = np.zeros(len(x))
+    beside[i] = _BESIDE / np.sqrt(max(at.matrix[i, i], 1e-300))
+    low, high = weighted.problem.low, weighted.problem.high  # a delay that nothing shows has a boundless error
+    sides = [weighted.normal_equations(np.clip(x + sign * beside, low, high)) for sign in (-1, 1)]
+    return bool(sides[0].gradient[i] < 0 < sides[1].gradient[i])
 
 
 def _free(problem: FitProblem, x: FloatArray, gradient: FloatArray, fixed: Sequence[int]) -> NDArray[np.bool_]:

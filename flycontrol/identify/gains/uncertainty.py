@@ -44,7 +44,8 @@ def local_uncertainty(weighted: WeightedProblem, minimum: Minimum, bias: bool = 
     Parameters
     ----------
     bias
-        Compute the bias too, two responses for each unknown and trial; otherwise zeros.
+        Compute the bias too, two responses for each unknown and trial; otherwise zeros. At a kink there is no second
+        derivative to take it from, and it is zero.
     """
     free = ~minimum.held
     matrix = minimum.at.matrix
@@ -58,7 +59,8 @@ def local_uncertainty(weighted: WeightedProblem, minimum: Minimum, bias: bool = 
     inverse /= scale * scale[:, None]
     blind[:, free] = vectors[:, ~seen].T
     freedom = _freedom(weighted, minimum.x, inverse)
-    offset = _bias(weighted, minimum.x, inverse) if bias else np.zeros(k)
+    smooth = bias and not minimum.at_kink
+    offset = _bias(weighted, minimum.x, inverse) if smooth else np.zeros(k)
     covariance = inverse.copy()
     lost = minimum.held | (np.abs(blind) > 1e-3).any(axis=0)
     covariance[lost, lost] = np.inf
