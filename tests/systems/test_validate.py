@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from scipy.stats import binom
 
 ROOT = Path(__file__).parents[2]
 NUMBER = r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
@@ -114,3 +115,86 @@ def test_measured_motion_takes_work_from_the_hinge_and_its_spring_transmits_less
     for claim in found["claims"]:
         if claim["analysis"] == "hinge_as_a_spring" and claim["claim"] == "mu, simulated hover":
             assert all(0 < mu < 1 for mu in numbers(claim["ours"]))
+
+
+def written(whole, analysis):
+    return json.loads((whole[0] / analysis / f"{analysis}.json").read_text(encoding="utf-8"))
+
+
+def test_wings_that_paddle_keep_to_the_reduced_loop_within_a_hundredth_and_verdicts_follow_from_misfits(found):
+    ours = row(found, "recovery_at_two_levels", "pulses of one wingbeat, built-in stroke")["ours"]
+    assert numbers(ours)[0] < 1
+    judged = 0
+    for claim in found["claims"]:
+        misfits = re.fullmatch(rf"((?:{NUMBER}(?:, )?)+) % of the peak apart.*", claim["ours"])
+        if claim["analysis"] == "recovery_at_two_levels" and misfits and claim["verdict"] != "shown here":
+            worst = max(numbers(misfits[1]))
+            assert claim["verdict"] == ("agrees" if worst < 1 else "roughly" if worst < 10 else "fails"), claim
+            judged += 1
+    assert judged == 4
+
+
+def test_recovery_of_beating_wings_agrees_only_where_it_is_under_60_ms(found):
+    for how, frequency in (("paddling on command", 220), ("wings on springs", 218)):
+        claim = row(found, "recovery_at_two_levels", f"15 wingbeats: {how}")
+        from_20, beats, _, from_40, more, _ = numbers(claim["ours"])
+        assert [beats, more] == pytest.approx([1e-3 * frequency * from_20, 1e-3 * frequency * from_40], abs=0.06)
+        assert (claim["verdict"] == "agrees") == (max(from_20, from_40) < 60)
+        assert (claim["verdict"] == "fails") == (from_20 >= 60)
+
+
+def test_no_row_calls_simulated_paddling_measured(found):
+    assert row(found, "recovery_at_two_levels", "measured paddling")["verdict"] == "cannot be told"
+
+
+def test_one_spring_is_in_every_loop(whole):
+    """That of the measured hover, about the axis at which passive pitching comes closest to measured pitch."""
+    hinge = written(whole, "hinge_as_a_spring")
+    hover = hinge["flies"]["D. melanogaster, hover"]
+    (alone,) = [one for one in hover if one["pitch_axis_chords"] == hinge["pitch_axis_of_figures_chords"]]
+    spring = written(whole, "recovery_at_two_levels")["spring"]
+    for here, there in (
+        ("pitch_axis_chords", "pitch_axis_chords"), ("stiffness_N_m_per_rad", "passive_stiffness_N_m_per_rad"),
+        ("damping_N_m_s", "passive_damping_N_m_s"), ("mu", "mu"), ("beta_passive_N_m_s", "beta_passive_N_m_s"),
+        ("beta_pitch_given_N_m_s", "beta_pitch_given_N_m_s"),
+    ):  # fmt: skip
+        assert spring[here] == pytest.approx(alone[there], rel=1e-4)
+
+
+def test_fits_find_what_was_put_in_or_taken_from_the_wings_apart(whole, found):
+    """Gains to 1 %, and beta on springs, by a fit of flights and by turning a held fly, to 5 %."""
+    ours = row(found, "fit_the_simulated_fly", "gains, delay and damping")["ours"]
+    assert numbers(ours)[0] < 1
+    by_fit = numbers(row(found, "fit_the_simulated_fly", "finds beta")["ours"].partition("beta/I")[2])[0]
+    by_turning = written(whole, "recovery_at_two_levels")["levels"]["hinge bias"]["damping_rate_per_s"]
+    assert by_fit == pytest.approx(by_turning, rel=0.05)
+
+
+def test_intervals_hold_the_truth_of_weak_pulses_to_binomial_error(whole):
+    weakest = written(whole, "fit_the_simulated_fly")["with_noise"]["2.5 deg"]
+    fewest = binom.ppf(0.001, weakest["draws"], 0.95) / weakest["draws"]
+    for name in ("kp", "kd", "delay", "damping"):
+        assert weakest[name]["inside"] >= fewest
+
+
+def test_the_level_turn_flown_by_pitch_alone_turns_by_a_share_within_the_interval_of_its_torque(whole, found):
+    """Torque on a held body against turns flown anew: two ways to one share."""
+    symmetric, _, _, _, pitch, _, _, every = written(whole, "which_angle_turns_the_fly")["level_turn"][
+        "versions_flown_rad"
+    ]
+    share, low, high = numbers(row(found, "which_angle_turns_the_fly", "level turn of 60 deg, as it is")["ours"])
+    assert symmetric == pytest.approx(0, abs=1e-6)
+    assert low <= share <= high
+    assert low <= pitch / every <= high
+
+
+def test_known_turns_are_given_to_the_angle_that_made_them(whole):
+    """By at least nine tenths where no tracker jitters, shares and interaction adding up to one."""
+    turns = written(whole, "which_angle_turns_the_fly")["simulated"]
+    makers = {"stroke": 0, "deviation": 1, "paddling": 2, "biased": 2}
+    for name, turn in turns.items():
+        assert sum(turn["torque_shares"]) == pytest.approx(1, abs=2e-4)
+        maker = makers.get(name.split()[0])
+        if maker is not None:
+            assert turn["torque_shares"][maker] > 0.9
+            assert turn["turn_shares"][maker] > 0.9
