@@ -120,7 +120,7 @@ def _panel(flight: TrackedFlight, frame: FilmedFrame, k: int, c: int, window: Wi
     if frame.images and np.asarray(frame.images[c]).dtype != np.bool_:
         grey = (np.rint(grey / 255 * (_GREYS - 1)) * (255 / (_GREYS - 1))).astype(np.uint8)
     at = np.minimum(((np.arange(_SIDE) + 0.5) / zoom).astype(int), window.width - 1)
-    colours = np.repeat(grey[np.ix_(at, at)][:, :, None], 3, axis=2)
+    colours = np.repeat(grey[at[:, None], at][:, :, None], 3, axis=2)
     pose = pose_at(flight, k)
     for part, mask in ({} if pose is None else part_masks(flight.fly.shape, pose, camera, window, zoom)).items():
         here = colours[: mask.shape[0], : mask.shape[1]]

@@ -20,7 +20,7 @@ Masks = Sequence[BoolArray]
 
 MARGIN = 20  #: pixels around a silhouette in which the fly may be looked for
 _VOXELS = 56  #: along a wing: of one and a half pixels at 35 px/mm
-_SLACK = 0.75  #: of the silhouettes, so that a wing on edge is not lost between voxels' centres [px]
+_SLACK = 1.0  #: of the silhouettes, so that a wing on edge is not lost between voxels' centres [px]
 _EVERY = 6  #: frames from one try to the next
 #: A pose this good is taken at once: intersection over union, and precision, in the mean of the views (C)
 _GOOD_OVERLAP, _GOOD_PRECISION = 0.85, 0.96

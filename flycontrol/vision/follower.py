@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from flycontrol.errors import InvalidInputError
 from flycontrol.model.camera import Camera
+from flycontrol.units import deg
 from flycontrol.vision.acquire import acquire
 from flycontrol.vision.belief import NO_DOUBTS, Judged, judged
 from flycontrol.vision.first_pose import MARGIN, Masks, fine_hull
@@ -33,6 +34,8 @@ _MEMORY = 40  #: frames whose costs tell what is usual: about a wingbeat at 8,00
 _STRANGE, _WRONG = 1.5, 2.5  #: times the usual cost: look again; do not believe (C)
 _LEAST_PRECISION = 0.7  #: of the fly's pixels on each silhouette (C)
 _LONGEST_BRIDGE = 40  #: frames
+_BLIND = 2  #: frames after which the wings may be anywhere
+_TURNED = 2 * deg  #: of the body, in a frame without sight (C)
 _PATIENCE = 10  #: frames from one search for a lost fly to the next
 _BIAS = 0.2  #: of positions, by legs and the like [px] (C)
 
@@ -58,6 +61,7 @@ class Follower:
     missed_before: deque[FloatArray] = field(default_factory=lambda: deque(maxlen=_MEMORY))
     covariance: FloatArray = field(default_factory=lambda: np.zeros((18, 18)))
     unseen: int = 0  #: frames since the fly was last seen
+    blind: int = 0  #: frames without sight, until the fly has been seen so often again that its motion is known
 
     def follow(self, masks: Masks) -> TrackedFrame:
         """The fly in one more frame; InvalidInputError if the images do not fit the cameras."""
@@ -76,9 +80,10 @@ class Follower:
         if found is None:
             return self._bridged("the silhouettes contradict one another: their hull is not a whole fly", None)
         seen = found.fit.agreement
-        wrong = (_WRONG if self.refine else _STRANGE) * self._usual(seen.cost)
-        if found.doubts[0] or seen.cost > wrong or np.min(seen.precision) < _LEAST_PRECISION:
-            return self._bridged(found.doubts[0] or "no stance near the expected one fits these silhouettes", seen)
+        wrong = (_WRONG if self.refine and not self.blind else _STRANGE) * self._usual(seen.cost)
+        doubt = next(filter(None, found.doubts), "") if self.blind else found.doubts[0]
+        if doubt or seen.cost > wrong or np.min(seen.precision) < _LEAST_PRECISION:
+            return self._bridged(doubt or "no stance near the expected one fits these silhouettes", seen)
         return self._believed(found, masks)
 
     def missed(self, reason: str) -> TrackedFrame:
@@ -102,6 +107,9 @@ class Follower:
                 read = stance_of_hull(hull, expected, self.fly.shape, self.fly.stroke_plane_angle, look.cost)
                 others.append(look.near(read.stance))
             best = self._best([best.fit, *others], border, shape)
+        if self.blind:
+            again = look.anywhere(expected, min(1 * deg + self.blind * _TURNED, 180 * deg))
+            best = self._best([best.fit, *again], border, shape)
         for side in (0, 1):
             if best.doubts[side + 1]:
                 best = self._best([best.fit, *look.elsewhere(best.fit.stance, side)], border, shape)
@@ -146,11 +154,15 @@ class Follower:
     def _believed(self, found: Judged, masks: Masks) -> TrackedFrame:
         shape = fit_shape(self.fly.shape)
         fit = self._without_doubted(found, shape)
+        if self.blind and self.unseen:
+            self.past.clear()  # how the fly moves is not known from stances that were not seen
         self.past.append(fit.stance)
         if not any(found.doubts):
             self.costs.append(fit.agreement.cost)
             self.missed_before.append(found.missed)
         self.unseen, self.covariance = 0, self._with_bias(fit)
+        if len(self.past) == self.past.maxlen:
+            self.blind = 0
         cut = [camera.name for camera, mask in zip(self.cameras, masks, strict=True) if _touches_edge(mask)]
         reasons = [doubt for doubt in found.doubts if doubt]
         if cut:
@@ -169,10 +181,11 @@ class Follower:
         fit = found.fit
         for side in (0, 1):
             if found.doubts[side + 1]:
-                expected = self._expected(shape)
+                expected, bases = self._expected(shape), fit.stance.bases_B.copy()
+                bases[side] = shape.bases_B[side]
                 fit = replace(
                     fit,
-                    stance=with_wing(fit.stance, side, expected.wings_B[side]),
+                    stance=replace(with_wing(fit.stance, side, expected.wings_B[side]), bases_B=bases),
                     covariance=unseen_wing(fit.covariance, self.covariance, side),
                 )
         return fit
@@ -188,6 +201,8 @@ class Follower:
 
     def _bridged(self, reason: str, seen: Agreement | None) -> TrackedFrame:
         self.unseen += 1
+        if self.unseen >= _BLIND:
+            self.blind += 1
         if self.start is not None and not self.past:
             self.past.append(self.start.stance)
         if not self.past or self.unseen > _LONGEST_BRIDGE:

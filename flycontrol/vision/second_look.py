@@ -17,7 +17,12 @@ from flycontrol.vision.wing_grid import wing_grid
 
 _TWIST = 55 * deg  #: by which a wing is turned about its span
 _COARSE, _BLURRED = 4.0, 2.0  #: softness of the search, and of choices between what a hull allows [px]
-_KEPT, _APART = 3, 30 * deg  #: places of a wing that are fitted, so far apart in one turn at least
+_KEPT, _KEPT_PAIRS, _APART = (
+    3,
+    5,
+    30 * deg,
+)  #: places of a wing, and of both, that are fitted, so far apart in one turn at least
+_WINGS = slice(WING_TURN[0].start, WING_TURN[1].stop)
 #: A wing that was lost may be anywhere.
 _LOOSE = Leash(wing=180 * deg)
 
@@ -44,6 +49,27 @@ class SecondLook:
             yield fit_silhouettes(
                 self.border, self.shape, guess, expected=self.expected, leash=_LOOSE, softness=(_COARSE, 2.0, 1.0)
             )
+
+    def anywhere(self, stance: Stance, body: float) -> Iterator[SilhouetteFit]:
+        """Fits with both wings looked for everywhere, mirror images at first; the body within `body` [rad]."""
+        leash = Leash(body=body, wing=180 * deg)
+        grid = wing_grid(self.shape, self.stroke_plane_angle)
+        for guess in self._likeliest(stance, [replace(stance, wings_B=wings) for wings in grid]):
+            yield fit_silhouettes(
+                self.border, self.shape, guess, expected=self.expected, leash=leash, softness=(_COARSE, 2.0, 1.0)
+            )
+
+    def _likeliest(self, stance: Stance, others: Sequence[Stance]) -> list[Stance]:
+        """Some that differ, the stance itself among them if it is likely."""
+        guesses = [stance, *others]
+        order = np.argsort([silhouette_cost(self.border, self.shape, guess, _COARSE) for guess in guesses])
+        kept: list[Stance] = []
+        for guess in (guesses[k] for k in order):
+            if all(np.max(np.abs(step_between(other, guess)[_WINGS])) > _APART for other in kept):
+                kept.append(guess)
+            if len(kept) == _KEPT_PAIRS:
+                break
+        return kept
 
     def guessed(self, stance: Stance, side: int) -> Stance:
         """The stance with one wing where it fits best, by a glance at every place."""

@@ -207,3 +207,14 @@ def test_ten_wingbeats_of_a_turn_with_legs_are_tracked_without_a_hint_and_withou
     assert np.all(rms(away[:, 3:12]) < AIMS)
     assert np.max(np.abs(away[:, 6:8])) < 15 * deg  # a swap of wings would be some 20 deg and more here
     assert rms(away[:, :3]).max() < 0.5 / SCALE
+
+
+def test_after_frames_without_sight_through_a_stroke_reversal_the_fly_is_found_as_it_is():
+    pose = turning_flight(3)[62:86]
+    frames = [
+        (np.zeros_like(masks[0]), *masks[1:]) if 8 <= k < 14 else masks for k, masks in enumerate(drawn(pose))
+    ]  # fmt: skip
+    found = followed(frames, pose)
+    assert found.status[14:] == ("tracked",) * 10
+    away = apart(found.pose, pose)[14:]
+    assert np.all(np.abs(away[:, 3:12]) < 3 * AIMS)
