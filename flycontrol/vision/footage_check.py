@@ -13,17 +13,15 @@ from flycontrol.errors import InvalidInputError
 from flycontrol.model.camera import Camera
 from flycontrol.model.camera_forms import nearest_point
 from flycontrol.units import mm
-from flycontrol.vision.calibration_check import CalibrationCheck, check_calibration
+from flycontrol.vision.calibration_check import CalibrationCheck
+from flycontrol.vision.camera_fit import Frames, compared_frames, extent, fit_of_cameras
 from flycontrol.vision.footage import FilmedFrame, Footage
 from flycontrol.vision.sighting import Sighting, sighting_of
-from flycontrol.vision.views import BoolArray, require_fitting
+from flycontrol.vision.views import require_fitting
 
 FloatArray = NDArray[np.float64]
 
 _SPREAD = 24  #: frames
-#: Epipolar residual over the silhouettes' size from which cameras do not fit, and from which it is told (C). Three
-#: cameras of a laboratory: 0.01 to 0.02 with legs and folds; images upside down or exchanged: 0.15 and more.
-_UNFIT, _DOUBTFUL = 0.1, 0.03
 _SMALLEST, _LARGEST = 0.4, 8.0  #: largest extent of silhouettes, in wing lengths, that a fly can have (C)
 
 
@@ -65,14 +63,11 @@ def checked_footage(footage: Footage, cameras: Sequence[Camera], wing_length: fl
     whole = [sighting for sighting in sightings if not sighting.fault and all(mask.any() for mask in sighting.masks)]
     if not whole:
         raise InvalidInputError(_why_nothing(frames, sightings, footage))
-    alone = [sighting for sighting in whole if sighting.clear] or whole
-    extent = float(np.median([_extent(mask) for sighting in alone for mask in sighting.masks]))
-    scale = _scale(alone, cameras)
-    _refuse_other_size(alone, scale, wing_length)
-    calibration = check_calibration([sighting.masks for sighting in alone], cameras)
-    return FootageCheck(
-        calibration=calibration, scale=scale, doubt=_judged(calibration, extent), sha256=_digest(frames)
-    )
+    compared = compared_frames(whole, cameras)
+    scale = _scale(compared.frames, cameras)
+    _refuse_other_size(compared.frames, scale, wing_length)
+    fit = fit_of_cameras(compared, cameras)
+    return FootageCheck(calibration=fit.calibration, scale=scale, doubt=fit.doubt, sha256=_digest(frames))
 
 
 def _digest(frames: Sequence[FilmedFrame]) -> str:
@@ -99,19 +94,13 @@ def _why_nothing(frames: Sequence[FilmedFrame], sightings: Sequence[Sighting], f
     )
 
 
-def _extent(mask: BoolArray) -> float:
-    """Diagonal of a silhouette [px]."""
-    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
-    return float(np.hypot(rows[-1] - rows[0] + 1, columns[-1] - columns[0] + 1))
-
-
-def _scale(sightings: Sequence[Sighting], cameras: Sequence[Camera]) -> float:
+def _scale(frames: Frames, cameras: Sequence[Camera]) -> float:
     """Pixels a metre where the middles of the silhouettes are seen, mean of the cameras and median of the frames."""
     scales: list[float] = []
-    for sighting in sightings:
+    for masks in frames:
         rays = [
             camera.rays(np.argwhere(mask)[:, ::-1].mean(axis=0, keepdims=True))
-            for mask, camera in zip(sighting.masks, cameras, strict=True)
+            for mask, camera in zip(masks, cameras, strict=True)
         ]
         point = nearest_point(np.vstack([ray.origin for ray in rays]), np.vstack([ray.direction for ray in rays]))
         if point is not None:
@@ -121,8 +110,8 @@ def _scale(sightings: Sequence[Sighting], cameras: Sequence[Camera]) -> float:
     return float(np.median(scales))
 
 
-def _refuse_other_size(sightings: Sequence[Sighting], scale: float, wing_length: float) -> None:
-    largest = float(np.median([max(_extent(mask) for mask in sighting.masks) for sighting in sightings])) / scale
+def _refuse_other_size(frames: Frames, scale: float, wing_length: float) -> None:
+    largest = float(np.median([max(extent(mask) for mask in masks) for masks in frames])) / scale
     if not _SMALLEST * wing_length < largest < _LARGEST * wing_length:
         raise InvalidInputError(
             f"With these cameras the animal would be {_length(largest)} across, where a fly with wings of "
@@ -132,17 +121,3 @@ def _refuse_other_size(sightings: Sequence[Sighting], scale: float, wing_length:
 
 def _length(metres: float) -> str:
     return f"{metres:.3g} m" if metres >= 0.1 else f"{metres / mm:.3g} mm"
-
-
-def _judged(calibration: CalibrationCheck, extent: float) -> str:
-    worst = max(calibration.pairs, key=lambda pair: pair.median)
-    told = (
-        f"silhouettes of {' and '.join(worst.cameras)} miss each other by {worst.median:.3g} px (median of frames), "
-        f"{100 * worst.median / extent:.0f} % of their size"
-    )
-    if worst.median > _UNFIT * extent:
-        raise InvalidInputError(
-            f"The cameras do not fit the images: {told}; check the order of the cameras, how their file counts pixels "
-            "(rows from above or below), and whether the images were turned or cropped."
-        )
-    return f"the calibration is doubtful: {told}" if worst.median > _DOUBTFUL * extent else ""
