@@ -158,12 +158,13 @@ def _tracked(
 ) -> TrackedFlight:
     """Track, then give all files their names together."""
     from flycontrol.io.tracked_mapping import RECORDING_NAMES
-    from flycontrol.jobs.files import temporary_file
-    from flycontrol.report.track_page import write_track_report
+    from flycontrol.jobs.files import discard_torn, temporary_file
+    from flycontrol.report.track_page import WORDS, write_track_report
     from flycontrol.report.tracked_files import files_beside_the_page
     from flycontrol.vision.flight_of_film import flight_of_film
 
     flight = flight_of_film(given.filmed, given.asked, given.check, kept, progress)
+    discard_torn(folder, WORDS)
     with temporary_file(folder, RECORDING_NAMES[form]) as path:
         origin = given.origin(command)
         beside = files_beside_the_page(flight, folder, path, form, origin)

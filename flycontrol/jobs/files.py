@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import secrets
 import shutil
-from collections.abc import Generator, Mapping
+from collections.abc import Generator, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from flycontrol.errors import OutputError
+
+_TEMPORARY = re.compile(r"\.(.+)\.[0-9a-f]{8}\.part")  #: as `_sibling` names them
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +75,24 @@ def temporary_file(folder: Path, name: str) -> Generator[Path]:
         for empty in created:
             with contextlib.suppress(OSError):
                 empty.rmdir()
+
+
+def discard_torn(folder: Path, names: Iterable[str]) -> None:
+    """Remove what killed processes left in a folder under temporary names.
+
+    Parameters
+    ----------
+    folder
+        Where nobody else writes now; it need not exist.
+    names
+        Of the files that were on their way.
+    """
+    names = set(names)
+    for path in folder.glob(".*.part"):
+        torn = _TEMPORARY.fullmatch(path.name)
+        if torn is not None and torn[1] in names:
+            with contextlib.suppress(OSError):
+                path.unlink()
 
 
 def write_files_atomically(folder: Path, files: Mapping[str, str | bytes | Path]) -> tuple[Path, ...]:

@@ -91,7 +91,7 @@ def _denied(part: str, share: FloatArray, names: Sequence[str]) -> str:
     worst = int(np.argmax(share))
     if share[worst] <= _DENIED:
         return ""
-    return f"{share[worst]:.0%} of {part} would be off the silhouette of {names[worst]}"
+    return f"{share[worst]:.0%} of {part} would be off the silhouette of '{names[worst]}'"
 
 
 def _least_supported(claims: PartClaims) -> int:

@@ -6,7 +6,7 @@ import pytest
 
 from flycontrol.errors import OutputError
 from flycontrol.jobs import files
-from flycontrol.jobs.files import require_writable_folder, write_files_atomically
+from flycontrol.jobs.files import discard_torn, require_writable_folder, temporary_file, write_files_atomically
 
 NEW = {"index.html": "<p>new</p>", "result.json": '{"new": true}'}
 
@@ -198,3 +198,15 @@ def test_files_in_folders_of_their_own_are_written_all_or_none(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["blocked"]
     write_files_atomically(tmp_path, {"index.html": "a", "fly1/index.html": "b"})
     assert (tmp_path / "fly1" / "index.html").read_text() == "b"
+
+
+def test_what_killed_processes_left_is_removed_and_nothing_else(tmp_path):
+    with temporary_file(tmp_path, "recording.csv") as path:
+        left = path.name
+    (tmp_path / left).touch()
+    others = (".notes.csv.0123abcd.part", "recording.csv", ".recording.csv.part", ".recording.csv.0123abcd.part2")
+    for name in others:
+        (tmp_path / name).touch()
+    discard_torn(tmp_path, ["index.html", "recording.csv"])
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(others)
+    discard_torn(tmp_path / "nowhere", ["recording.csv"])
