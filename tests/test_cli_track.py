@@ -103,11 +103,14 @@ def test_what_cannot_be_meant_is_refused_in_a_sentence_and_nothing_is_written(co
     for options, words in (
         (("--format", "xls"), "--format must be one of"),
         (("--stroke-plane-angle", "50"), "--stroke-plane-angle"),
+        (("--stroke-plane-angle", "400 deg"), "outside -180 to 180 deg"),
         (("--body-length", "2 m"), "about as long as a wing"),
         (("--fly", "housefly"), "no fly of that name"),
         (("--frames", "1:5"), "belongs to films"),
         (("film.npz",), "--cameras is missing"),
         (("film.npz", "--cameras", "c.csv", "--up", "w"), "--up must be one of"),
+        (("film.npz", "--cameras", "c.csv", "--dust", "3"), "--dust is 3, but it is a share"),
+        (("film.npz", "--cameras", "c.csv", "--contrast", "0"), "--contrast is 0, but it must be above 0"),
     ):
         status, _, log = command("track", *options, "--out", tmp_path / "out")
         assert (status, log.count("\n"), (tmp_path / "out").exists()) == (2, 1, False), log

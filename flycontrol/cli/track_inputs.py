@@ -6,6 +6,7 @@ import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from glob import glob
+from math import pi
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -142,6 +143,11 @@ def _asked(fly: SourcedMorphology, which: FlyOptions, *, simulated: bool) -> Ask
     found, angle, length = fly.morphology, None, None
     if which.stroke_plane_angle is not None:
         angle = read_quantity(which.stroke_plane_angle, ANGLE, key="--stroke-plane-angle").value
+        if not abs(angle) <= pi:
+            raise InvalidInputError(
+                f"--stroke-plane-angle is {which.stroke_plane_angle}, outside -180 to 180 deg; it is the angle from "
+                "the body's long axis to the stroke plane, about 50 deg."
+            )
     if which.body_length is not None:
         length = read_quantity(which.body_length, LENGTH, key="--body-length").value
         if not found.wing_length / 3 < length < found.wing_length * 3:
@@ -216,13 +222,19 @@ def _up(name: str) -> Axis:
 
 
 def _segmentation(films: FilmOptions) -> Segmentation:
-    from flycontrol.errors import InvalidParameterError
     from flycontrol.vision.silhouettes import Segmentation
 
-    try:
-        return Segmentation(contrast=films.contrast, dark=not films.bright, smallest_share=films.dust)
-    except InvalidParameterError as error:
-        raise InvalidInputError(f"--contrast or --dust cannot be meant: {error}") from error
+    if not 0 <= films.dust <= 1:
+        raise InvalidInputError(
+            f"--dust is {films.dust:g}, but it is a share of the largest part's area, from 0 to 1; give 0.02, or leave "
+            "it out."
+        )
+    if films.contrast is not None and not films.contrast > 0:
+        raise InvalidInputError(
+            f"--contrast is {films.contrast:g}, but it must be above 0 grey levels; leave it out for half the fly's "
+            "own."
+        )
+    return Segmentation(contrast=films.contrast, dark=not films.bright, smallest_share=films.dust)
 
 
 def _frame_rate(typed: float | None, told: float | None) -> float:

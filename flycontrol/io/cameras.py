@@ -31,6 +31,7 @@ FloatArray = NDArray[np.float64]
 Shape = tuple[int, int]
 
 _READ_HERE = ".csv and .txt (DLT coefficients or matrices), .mat (easyWand), .npy, .npz and .toml (anipose)"
+_OF_VARIABLES = (".npy", ".npz", ".mat")
 _FEWEST = 2  #: cameras that tell depth
 
 
@@ -68,6 +69,7 @@ def read_cameras(
     if not (unit > 0 and np.isfinite(unit)):
         raise InvalidInputError(f"{file}: the unit of its lengths must be > 0 m, got {unit!r}.")
     try:
+        _refuse_a_variable(file, variable)
         if file.suffix.lower() == ".toml":
             cameras = read_anipose(file, unit=unit)
             _refuse_other_shapes(file, cameras, shapes)
@@ -78,6 +80,14 @@ def read_cameras(
     if len(cameras) < _FEWEST:
         raise InvalidInputError(f"{file} holds {len(cameras)} camera; two or more tell where things are.")
     return facing_the_scene(cameras)
+
+
+def _refuse_a_variable(path: Path, variable: str | None) -> None:
+    if variable is not None and path.suffix.lower() not in _OF_VARIABLES:
+        raise InvalidInputError(
+            f"{path} has no variables from which {variable!r} could be chosen, as {', '.join(_OF_VARIABLES)} have; "
+            "leave the variable out."
+        )
 
 
 def _numbers(path: Path, variable: str | None) -> FloatArray:
@@ -119,7 +129,8 @@ def _shapes(path: Path, shapes: Shape | Sequence[Shape] | None, count: int) -> l
     sizes = np.tile(sizes, (count, 1)) if sizes.shape == (2,) else sizes
     if sizes.shape != (count, 2):
         raise InvalidInputError(
-            f"{path} holds {count} cameras; the rows and columns of {len(sizes)} images were given."
+            f"{path} is the calibration of {count} camera{'' if count == 1 else 's'}, but there are images of "
+            f"{len(sizes)}; name the images of these cameras, each once."
         )
     return [(int(r), int(c)) for r, c in sizes]
 

@@ -50,9 +50,7 @@ def views_of(masks: Sequence[BoolArray] | BoolArray, cameras: Sequence[Camera], 
         raise InvalidParameterError(f"The slack of a silhouette must be >= 0 px, got {slack!r}.")
     require_fitting(masks, cameras)
     ideal = tuple(without_lens(mask, camera) for mask, camera in zip(masks, cameras, strict=True))
-    for mask, camera in zip(ideal, cameras, strict=True):
-        if not mask.any():
-            raise InvalidInputError(f"{camera.name}: the silhouette is empty; leave this frame or this camera out.")
+    _refuse_empty(ideal, cameras)
     crops = [_graded(mask, slack) for mask in ideal]
     height, width = (max(grade.shape[axis] for grade, _ in crops) for axis in (0, 1))
     grades = np.zeros((len(crops), height, width), np.uint8)
@@ -81,6 +79,15 @@ def require_fitting(masks: Sequence[BoolArray] | BoolArray, cameras: Sequence[Ca
                 f"{camera.name}: a boolean silhouette of {camera.shape[0]} x {camera.shape[1]} pixels was needed, got "
                 f"{np.asarray(mask).dtype} of {' x '.join(map(str, np.shape(mask)))}; check the cameras' order."
             )
+
+
+def _refuse_empty(masks: Sequence[BoolArray], cameras: Sequence[Camera]) -> None:
+    """Name all cameras whose silhouettes are empty; the words are a frame's reason too."""
+    empty = [camera.name for mask, camera in zip(masks, cameras, strict=True) if not mask.any()]
+    if len(empty) == 1:
+        raise InvalidInputError(f"the silhouette of {empty[0]} is empty")
+    if empty:
+        raise InvalidInputError(f"the silhouettes of {', '.join(empty[:-1])} and {empty[-1]} are empty")
 
 
 def without_lens(mask: BoolArray, camera: Camera) -> BoolArray:

@@ -141,8 +141,10 @@ def test_missing_files_and_sizes_and_single_cameras_are_refused(tmp_path):
     np.savetxt(tmp_path / "dlt.csv", dlt_table(), delimiter=",")
     with pytest.raises(InvalidInputError, match="does not say how large"):
         read_cameras(tmp_path / "dlt.csv")
-    with pytest.raises(InvalidInputError, match="3 cameras; the rows and columns of 2 images"):
+    with pytest.raises(InvalidInputError, match="calibration of 3 cameras, but there are images of 2;"):
         read_cameras(tmp_path / "dlt.csv", [SHAPE] * 2)
+    with pytest.raises(InvalidInputError, match=r"no variables from which 'zzz' could be chosen"):
+        read_cameras(tmp_path / "dlt.csv", SHAPE, variable="zzz")
     with pytest.raises(InvalidInputError, match="> 0 m"):
         read_cameras(tmp_path / "dlt.csv", SHAPE, unit=0.0)
     np.savetxt(tmp_path / "one.csv", dlt_table()[:, :1], delimiter=",")

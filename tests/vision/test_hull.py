@@ -223,7 +223,10 @@ def test_images_that_do_not_fit_the_cameras_are_refused_in_a_sentence():
     with pytest.raises(InvalidInputError, match="got uint8"):
         visual_hull(masks.astype(np.uint8), cameras, SIZE)
     masks[1] = False
-    with pytest.raises(InvalidInputError, match="camera 2: the silhouette is empty"):
+    with pytest.raises(InvalidInputError, match="the silhouette of camera 2 is empty"):
+        visual_hull(masks, cameras, SIZE)
+    masks[2] = False
+    with pytest.raises(InvalidInputError, match="the silhouettes of camera 2 and camera 3 are empty"):
         visual_hull(masks, cameras, SIZE)
 
 
