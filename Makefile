@@ -27,6 +27,7 @@ FLIGHTS := $(notdir $(basename $(wildcard $(DATA)/muijres_freeflight/2*.txt)))
 reports: report
 	$(BIN)/flycontrol validate --out reports/validation --reports reports || [ $$? -eq 1 ]
 	$(BIN)/python analyses/how_many_steps.py
+	$(BIN)/python analyses/how_well_can_silhouettes_tell.py
 	for flight in $(FLIGHTS); do $(BIN)/flycontrol report --parameters drosophila_hydei --mapping muijres_freeflight \
 	  --recording $(DATA)/muijres_freeflight/$$flight.txt --out reports/flights/$$flight || exit 1; done
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -33,6 +33,8 @@ FloatArray = NDArray[np.float64]
 _MEMORY = 40  #: frames whose costs tell what is usual: about a wingbeat at 8,000 frames a second
 _STRANGE, _WRONG = 1.5, 2.5  #: times the usual cost: look again; do not believe (C)
 _LEAST_PRECISION = 0.7  #: of the fly's pixels on each silhouette (C)
+_LEAST_OVERLAP = 0.7  #: mean over views: right fits of a fly of about that size stay above, turned ones do not (C)
+_ENOUGH = 3  #: views that tell one way in which a fly may be turned from all others
 _LONGEST_BRIDGE = 40  #: frames
 _BLIND = 2  #: frames after which the wings may be anywhere
 _TURNED = 2 * deg  #: of the body, in a frame without sight (C)
@@ -165,6 +167,7 @@ class Follower:
             self.blind = 0
         cut = [camera.name for camera, mask in zip(self.cameras, masks, strict=True) if _touches_edge(mask)]
         reasons = [doubt for doubt in found.doubts if doubt]
+        reasons += self._reserves(fit.agreement)
         if cut:
             reasons.append(f"the silhouette reaches the border of the image of {', '.join(cut)}")
         return TrackedFrame(
@@ -175,6 +178,13 @@ class Follower:
             agreement=fit.agreement,
             doubts=found.doubts,
         )
+
+    def _reserves(self, seen: Agreement) -> Iterator[str]:
+        """What stands against the whole frame."""
+        if len(self.cameras) < _ENOUGH:
+            yield "two views leave it open how the fly is turned"
+        if np.mean(seen.overlap) < _LEAST_OVERLAP:
+            yield f"fly and silhouettes share only {100 * np.mean(seen.overlap):.0f} % of the area"
 
     def _without_doubted(self, found: Judged, shape: FitShape) -> SilhouetteFit:
         """The fit with doubted wings where they are expected."""

@@ -45,7 +45,8 @@ class SizedFly:
 def fitted_sizes(shape: FlyShape, seen: Sequence[tuple[BorderDistance, Stance]]) -> SizedFly:
     """Gauss and Newton in turns: poses given the sizes, then sizes with the poses free to follow.
 
-    The wings' bases move to where the fits have them on average, left and right being mirror images.
+    The wings' bases keep their place in the body, stretched with it: a wing may slide into the body unseen, so that
+    silhouettes tell where its tip is far better than where it begins.
 
     Parameters
     ----------
@@ -56,7 +57,6 @@ def fitted_sizes(shape: FlyShape, seen: Sequence[tuple[BorderDistance, Stance]])
     borders = [border for border, _ in seen]
     for k in range(_ROUNDS):
         sized = resized(shape, _sizes(factors))
-        sized = replace(sized, right_base_B=_mean_base(stances)) if k else sized
         fitted = fit_shape(sized)
         stances = [fit_silhouettes(at, fitted, stance).stance for at, stance in zip(borders, stances, strict=True)]
         step = _step(list(zip(borders, stances, strict=True)), sized, factors)
@@ -77,11 +77,6 @@ def resized(shape: FlyShape, sizes: Sizes) -> FlyShape:
     wing = np.array([sizes.wing_length, sizes.wing_chord, sizes.wing_chord])
     along = np.array([sizes.body_length, sizes.body_radius, sizes.body_radius])
     return replace(shape, profile=shape.profile * body, wing=shape.wing * wing, right_base_B=shape.right_base_B * along)
-
-
-def _mean_base(stances: Sequence[Stance]) -> FloatArray:
-    mirrored = np.array([stance.bases_B for stance in stances]) * np.array([[1.0, -1.0, 1.0], [1.0, 1.0, 1.0]])
-    return np.asarray(mirrored.mean(axis=(0, 1)), dtype=np.float64)
 
 
 def _step(seen: Sequence[tuple[BorderDistance, Stance]], shape: FlyShape, factors: FloatArray) -> FloatArray:

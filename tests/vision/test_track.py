@@ -10,8 +10,10 @@ from flycontrol.units import deg
 from flycontrol.vision.belief import Judged
 from flycontrol.vision.first_pose import first_pose
 from flycontrol.vision.fit_shape import fit_shape
+from flycontrol.vision.fly_size import sized_fly
 from flycontrol.vision.follower import Fly, Follower
 from flycontrol.vision.render import render_silhouettes
+from flycontrol.vision.sighting import sighting_of
 from flycontrol.vision.silhouette_fit import Agreement, SilhouetteFit
 from flycontrol.vision.size_fit import Sizes, fitted_sizes, resized
 from flycontrol.vision.soft_silhouette import border_distance
@@ -218,3 +220,23 @@ def test_after_frames_without_sight_through_a_stroke_reversal_the_fly_is_found_a
     assert found.status[14:] == ("tracked",) * 10
     away = apart(found.pose, pose)[14:]
     assert np.all(np.abs(away[:, 3:12]) < 3 * AIMS)
+
+
+def test_two_views_are_said_to_leave_the_fly_open(short):
+    pose, frames = short
+    follower = Follower(cameras=CAMERAS[:2], fly=FLY, start=known(stances_of(pose[0])[0]), refine=True)
+    found = follower.follow(frames[0][:2])
+    assert found.status == "partial"
+    assert "two views" in found.reason
+
+
+@pytest.mark.slow
+def test_a_fly_a_third_larger_than_the_one_given_is_found_and_sized():
+    larger = resized(WITH_LEGS, Sizes(body_length=1.3, body_radius=1.3, wing_length=1.33, wing_chord=1.3))
+    X = turning_flight(1)[::3].coordinates.copy()
+    X[:, 12:15], X[:, 15:18] = larger.right_base_B * [1, -1, 1], larger.right_base_B
+    pose = Pose(coordinates=X[:10], stroke_plane_angle=STROKE_PLANE)
+    found = sized_fly([sighting_of(masks, CAMERAS) for masks in drawn(pose, shape=larger)], CAMERAS, FLY)
+    assert found.sizes.body_length == pytest.approx(1.3, rel=0.03)
+    assert found.sizes.wing_length == pytest.approx(1.33, rel=0.03)
+    assert found.fly.shape.right_base_B == pytest.approx(larger.right_base_B, rel=0.06)
