@@ -1,12 +1,16 @@
 import json
 import sys
+from dataclasses import replace
 from functools import partial
 
 import h5py
 import numpy as np
 import pytest
+from PIL import Image
 
 from flycontrol import cli
+from flycontrol.cli.track_inputs import FilmOptions, FlyOptions, track_inputs
+from flycontrol.errors import InvalidInputError
 from flycontrol.io.cameras import read_cameras
 from flycontrol.io.morphology_files import read_morphology
 from flycontrol.io.recordings import read_recording
@@ -195,6 +199,39 @@ def test_a_fly_that_leaves_for_good_ends_with_status_3_and_says_when(tracked, ma
     ]  # fmt: skip
     with h5py.File(out / "recording.nc") as file:
         assert np.all(np.isnan(file["raw"][46:]))
+
+
+def hovering_before_pictures(folder, masks):
+    """A dark fly that hovers (N, 3, rows, columns), filmed in grey, and the three pictures of its ground."""
+    ground = [(200 - 10 * k + np.indices(mask.shape)[1] % 5).astype(np.uint8) for k, mask in enumerate(masks[0])]
+    (folder / "empty").mkdir()
+    for k, picture in enumerate(ground, start=1):
+        Image.fromarray(picture).save(folder / "empty" / f"cam{k}.png")
+    return saved(folder, np.where(masks, np.uint8(40), np.array(ground))), ground
+
+
+def test_cameras_are_checked_before_a_background_that_cannot_be_made(tracked, masks, tmp_path):
+    film, _ = hovering_before_pictures(tmp_path, masks[0])
+    for options, words in (((), "stays in one place"), (("--unit", "m"), "These cameras see a field that is")):
+        status, log, out = tracked(film, "--frame-rate", "8000", *options)
+        assert (status, log.count("\n"), out.exists()) == (2, 1, False), log
+        assert words in log
+
+
+def test_a_picture_for_each_camera_is_a_background(masks, tmp_path):
+    film, ground = hovering_before_pictures(tmp_path, masks[0])
+    films = FilmOptions(
+        inputs=(str(film),), cameras=film, frame_rate=8000.0, frames=None, up="z", unit="mm", camera_variable="P",
+        first_pixel=None, rows_from_below=False, film_variable="masks", silhouettes=None,
+        background=str(tmp_path / "empty"), bright=False, contrast=None, dust=0.02, wingbeats=10,
+    )  # fmt: skip
+    which = FlyOptions(
+        file="drosophila_melanogaster", body_length=None, stroke_plane_angle=None, fit_sizes=None, hull_only=False
+    )
+    found = track_inputs(films, which).filmed.footage.backgrounds
+    assert all(np.array_equal(one, picture) for one, picture in zip(found, ground, strict=True))
+    with pytest.raises(InvalidInputError, match="one picture or film for each camera is needed"):
+        track_inputs(replace(films, background=str(tmp_path / "empty" / "cam1.png")), which)
 
 
 def test_films_that_cannot_be_tracked_are_refused_in_a_sentence_and_nothing_is_written(tracked, masks, tmp_path):

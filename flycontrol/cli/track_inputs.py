@@ -94,7 +94,7 @@ def track_inputs(films: FilmOptions, which: FlyOptions) -> TrackInputs:
     asked = _asked(fly, which, simulated=not films.inputs)
     notes: tuple[str, ...] = ()
     if films.inputs:
-        filmed, notes = _filmed(films)
+        filmed, notes = _filmed(films, fly.morphology.wing_length)
     else:
         filmed = _simulated(films, asked)
     check = checked_footage(filmed.footage, filmed.cameras, fly.morphology.wing_length)
@@ -184,12 +184,13 @@ def _refuse_options_of_films(films: FilmOptions) -> None:
         raise InvalidInputError(f"{named} belongs to films, but none is given; name the films, or leave it out.")
 
 
-def _filmed(films: FilmOptions) -> tuple[FilmedFlight, tuple[str, ...]]:
+def _filmed(films: FilmOptions, wing_length: float) -> tuple[FilmedFlight, tuple[str, ...]]:
     """Films as asked for, and what was decided in reading them."""
     from flycontrol.io.frame_ranges import frame_range
     from flycontrol.io.movies.open_films import open_films
     from flycontrol.model.film_part import FilmPart
     from flycontrol.model.world_axes import upright, upright_words
+    from flycontrol.vision.field_of_view import require_field_of_a_fly
     from flycontrol.vision.flight_of_film import FilmedFlight
     from flycontrol.vision.footage import Footage
 
@@ -201,6 +202,7 @@ def _filmed(films: FilmOptions) -> tuple[FilmedFlight, tuple[str, ...]]:
     frames = frame_range(films.frames, len(opened.films[0]))
     rate = _frame_rate(films.frame_rate, opened.frame_rate) / frames.step
     cameras = _cameras(films, films.cameras, [film.shape for film in opened.films])
+    require_field_of_a_fly(cameras, wing_length)
     parts = tuple(FilmPart(film, frames) for film in opened.films)
     backgrounds = _backgrounds(films.background, parts, opened.backgrounds, how)
     turned = tuple(camera.moved(upright(up)) for camera in cameras)
@@ -272,18 +274,28 @@ def _facing(cameras: tuple[Camera, ...]) -> tuple[Camera, ...]:
 
 
 def _backgrounds(path: str | None, films: Sequence[Film], told: Sequence[object], how: Segmentation) -> list:
-    from flycontrol.io.movies.open_films import open_films
     from flycontrol.vision.backgrounds import film_background, median_of
 
     if path is None:
         return [film_background(film, how) if known is None else known for film, known in zip(films, told, strict=True)]
-    empty = open_films([path], binary=False).films
+    empty = _scenes(path, len(films))
     if [film.shape for film in empty] != [film.shape for film in films]:
         raise InvalidInputError(
-            f"--background {path} has pictures of {_sizes(empty)} pixels where the films have {_sizes(films)}; one for "
-            "each film is needed, of its size."
+            f"--background {path} has pictures of {_sizes(empty)} pixels, but the films have {_sizes(films)}; one "
+            "picture or film for each camera is needed, of its size and in the cameras' order."
         )
     return [None if film.binary else median_of(scene) for scene, film in zip(empty, films, strict=True)]
+
+
+def _scenes(path: str, count: int) -> Sequence[Film]:
+    """A film for each camera; one film of as many frames as cameras is a picture for each."""
+    from flycontrol.io.movies.open_films import open_films
+    from flycontrol.model.film_part import FilmPart
+
+    scenes = open_films([path], binary=False).films
+    if len(scenes) == 1 and len(scenes[0]) == count:
+        return [FilmPart(scenes[0], range(k, k + 1)) for k in range(count)]
+    return scenes
 
 
 def _sizes(films: Sequence[Film]) -> str:

@@ -15,6 +15,7 @@ from flycontrol.model.camera_forms import nearest_point
 from flycontrol.units import mm
 from flycontrol.vision.calibration_check import CalibrationCheck
 from flycontrol.vision.camera_fit import Frames, compared_frames, extent, fit_of_cameras
+from flycontrol.vision.field_of_view import metres
 from flycontrol.vision.footage import FilmedFrame, Footage
 from flycontrol.vision.sighting import Sighting, sighting_of
 from flycontrol.vision.views import require_fitting
@@ -114,10 +115,6 @@ def _refuse_other_size(frames: Frames, scale: float, wing_length: float) -> None
     largest = float(np.median([max(extent(mask) for mask in masks) for masks in frames])) / scale
     if not _SMALLEST * wing_length < largest < _LARGEST * wing_length:
         raise InvalidInputError(
-            f"With these cameras the animal would be {_length(largest)} across, where a fly with wings of "
+            f"With these cameras the animal would be {metres(largest)} across, where a fly with wings of "
             f"{wing_length / mm:.3g} mm is expected; check the unit of the calibration's lengths, and which fly it is."
         )
-
-
-def _length(metres: float) -> str:
-    return f"{metres:.3g} m" if metres >= 0.1 else f"{metres / mm:.3g} mm"
