@@ -167,7 +167,7 @@ def _simulated(films: FilmOptions, asked: Asked) -> FilmedFlight:
     _refuse_options_of_films(films)
     made = example_flight(asked.fly, films.wingbeats)
     return FilmedFlight(
-        name="simulated fly",
+        name="Simulated fly",
         footage=made.footage,
         frames=range(len(made.truth)),
         cameras=made.cameras,

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from flycontrol.report.figures.track_coordinates import BASES, BODY, WINGS, coordinates_over_time
 from flycontrol.report.figures.track_hull import hull_from_two_sides
@@ -27,7 +28,10 @@ from flycontrol.vision.dissection import BODY as BODY_VOXELS
 from flycontrol.vision.dissection import LEFT, REST, RIGHT
 from flycontrol.vision.tracked_flight import TrackedFlight
 
+FloatArray = NDArray[np.float64]
+
 _WINGS = ("left wing", "right wing")
+_ENDS, _SHARE_OF_ENDS = 3, 0.1  #: frames, and share of the flight, at either end of which no largest rate is told
 
 
 def track_figures(
@@ -136,14 +140,23 @@ def _rates(flight: TrackedFlight) -> PageFigure:
         "share."
     )
     yaw = flight.smoothed.angular_velocity_B[:, 2]
-    if np.any(np.isfinite(yaw)):
-        k = int(np.nanargmax(np.abs(yaw)))
+    k = fastest_within(yaw)
+    if k is not None:
         side = "right" if yaw[k] >= 0 else "left"
         caption = (
-            f"The body turns about its own down axis at up to {fixed(abs(float(yaw[k])), 1, 'rad/s')}, to the {side}, "
-            f"at {milliseconds(float(flight.time[k]), 2)}. {caption}"
+            "Away from the ends of the recording the body turns about its own down axis at up to "
+            f"{fixed(abs(float(yaw[k])), 1, 'rad/s')}, to the {side}, at {milliseconds(float(flight.time[k]), 2)}. "
+            f"{caption}"
         )
     return _page_figure("rates", body_rates(flight, spans(flight.track)), "Rates of the body", caption)
+
+
+def fastest_within(rate: FloatArray) -> int | None:
+    """Where |rate| (N,) is largest, but for the ends of what is known, where a spline is held from one side only."""
+    known = np.flatnonzero(np.isfinite(rate))
+    left_out = max(_ENDS, int(np.ceil(_SHARE_OF_ENDS * len(known))))
+    inner = known[left_out : len(known) - left_out]
+    return int(inner[np.argmax(np.abs(rate[inner]))]) if len(inner) else None
 
 
 def _hull(flight: TrackedFlight, seen: SeenHull) -> PageFigure:

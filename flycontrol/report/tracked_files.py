@@ -54,7 +54,8 @@ def files_beside_the_page(
 def _mapping(flight: TrackedFlight, form: TrajectoryFormat) -> str:
     whole = bool(np.all(np.isfinite(flight.smoothed.pose.coordinates)))
     angle = flight.smoothed.pose.stroke_plane_angle
-    return tracked_mapping(form, stroke_plane_angle=angle, frequency=wingbeat_frequency(flight), whole=whole)
+    frequency = wingbeat_frequency(flight)
+    return tracked_mapping(form, name=flight.name, stroke_plane_angle=angle, frequency=frequency, whole=whole)
 
 
 def _anipose(flight: TrackedFlight) -> tuple[dict[str, str], str]:

@@ -1,5 +1,6 @@
 import io
 import re
+import tomllib
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +11,7 @@ from scipy.ndimage import binary_dilation, binary_erosion
 from texts import overlapping_texts, texts_outside, unlabelled
 from tracked_flights import FREQUENCY, RATE, cameras_around, motion, tracked_flight
 
+from flycontrol.io.tracked_mapping import tracked_mapping
 from flycontrol.model.distortion import Distortion
 from flycontrol.model.pose import Pose
 from flycontrol.report.figures.track_coordinates import BASES, BODY, WINGS, coordinates_over_time
@@ -21,6 +23,7 @@ from flycontrol.report.track_animation import HEAVIEST, gif
 from flycontrol.report.track_beats import piece_shown_closely, stroke_reversals
 from flycontrol.report.track_chosen import best_frame, chosen_frames, worst_frame
 from flycontrol.report.track_curves import curves, true_rates
+from flycontrol.report.track_figures import fastest_within
 from flycontrol.report.track_page import write_track_report
 from flycontrol.report.track_second_look import second_look
 from flycontrol.report.track_spans import spans, tally
@@ -215,6 +218,21 @@ def test_true_rates_are_those_of_a_steady_turn():
     velocity, turning = true_rates(Pose(coordinates=X, stroke_plane_angle=0.0), time)
     assert velocity == pytest.approx(np.tile([0.2, 0, 0], (9, 1)), abs=1e-12)
     assert turning[1:-1] == pytest.approx(np.tile([0, 0, 30.0], (7, 1)), abs=1e-9)
+
+
+def test_the_fastest_turn_is_not_told_at_the_end_of_a_spline():
+    rate = np.concatenate([np.full(5, np.nan), [90, 40, 3, 2], np.linspace(1, -9, 20), [5, 5, -80], np.full(4, np.nan)])
+    assert rate[fastest_within(rate)] == -9  # 27 frames are known, of which 3 are left out at either end
+    assert fastest_within(rate[:10]) is None
+    assert fastest_within(np.full(40, np.nan)) is None
+
+
+def test_the_page_and_the_mapping_bear_the_films_name_as_it_is(written, mixed):
+    flight, _ = mixed
+    assert f"<h1>{flight.name}</h1>" in (written / "index.html").read_text()
+    for name in ("exp095_first47", 'a "quoted" \\ name', "m" * 300):
+        text = tracked_mapping("csv", name=name, stroke_plane_angle=1.0, frequency=200.0, whole=True)
+        assert tomllib.loads(text)["name"] == name[:100]
 
 
 def test_the_wingbeat_frequency_is_told_where_a_wingbeat_was_seen():
