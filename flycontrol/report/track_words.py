@@ -59,7 +59,8 @@ def lead(flight: TrackedFlight, reversals: StrokeReversals) -> list[str]:
     if flight.truth is not None and np.any(flight.track.believed):
         sentences.append(_against_truth(coordinate_errors(flight, flight.truth)))
     if flight.doubt:
-        sentences.append(f"{sentence(flight.doubt).rstrip('.')}.")
+        told = sentence(flight.doubt).rstrip(".")
+        sentences.append(f"{told[0].upper()}{told[1:]}.")
     return sentences
 
 
