@@ -19,13 +19,11 @@ from numpy.typing import NDArray
 from flycontrol.jobs.files import write_files_atomically
 from flycontrol.model.camera import Camera, replaced
 from flycontrol.model.camera_forms import looking_at
-from flycontrol.model.flapping_pose import flapping_pose
 from flycontrol.model.planform import Planform
 from flycontrol.model.pose import COORDINATES, Pose
 from flycontrol.model.references import cite
-from flycontrol.model.stroke_kinematics import hover_stroke
-from flycontrol.model.wing_stroke import Modulation
 from flycontrol.units import deg, mm, um
+from flycontrol.vision.example_flight import turning_pose
 from flycontrol.vision.first_pose import MARGIN, fine_hull
 from flycontrol.vision.fit_shape import fit_shape
 from flycontrol.vision.fly_shape import FlyShape, fly_shape
@@ -74,20 +72,7 @@ FLY = Fly(shape=FITTED, stroke_plane_angle=STROKE_PLANE)
 
 def turning_flight(shape: FlyShape, wingbeats: float = WINGBEATS) -> Pose:
     """100 deg to the right, banked by up to 25 deg, with wings that beat unequally."""
-    time = np.arange(int(wingbeats * RATE / FREQUENCY)) / RATE
-    stroke = hover_stroke(FREQUENCY).modulated(
-        Modulation(stroke_offset=6 * deg, pitch_offset=-8 * deg, stroke_gain=0.08),
-        Modulation(deviation_offset=5 * deg, pitch_offset=8 * deg),
-    )
-    x = time * FREQUENCY / WINGBEATS
-    yaw = 20 * deg + 100 * deg * (10 * x**3 - 15 * x**4 + 6 * x**5)
-    pitch = 45 * deg + 2.4 * deg * np.sin(2 * np.pi * FREQUENCY * time) + 10 * deg * np.sin(2 * np.pi * 25 * time)
-    attitude = np.stack([yaw, pitch, 25 * deg * np.sin(2 * np.pi * x)], axis=1)
-    position = np.stack([0.6 * x - 0.3, 0.3 * np.sin(6 * x), 0.3 * x**2], axis=1) * mm
-    return flapping_pose(
-        stroke, time, right_base_B=shape.right_base_B, stroke_plane_angle=STROKE_PLANE,
-        position_W=position, attitude=attitude,
-    )  # fmt: skip
+    return turning_pose(shape, STROKE_PLANE, wingbeats)
 
 
 def held_elsewhere(pose: Pose, stroke: float, deviation: float) -> Pose:

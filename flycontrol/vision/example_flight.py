@@ -44,13 +44,14 @@ def example_flight(fly: Fly, wingbeats: float = _WINGBEATS) -> ExampleFlight:
     """
     shape = with_legs(fly.shape)
     cameras = orthogonal_cameras(scale=_SCALE, shape=_SHAPE, distance=_DISTANCE)
-    truth = _turn(shape, fly.stroke_plane_angle, wingbeats)
+    truth = turning_pose(shape, fly.stroke_plane_angle, wingbeats)
     films = drawn_films(shape, truth, cameras, _IMAGING)
     footage = Footage(films=films, frame_rate=FRAME_RATE, backgrounds=tuple(film.background for film in films))
     return ExampleFlight(footage=footage, cameras=cameras, truth=truth, shape=shape)
 
 
-def _turn(shape: FlyShape, stroke_plane_angle: float, wingbeats: float) -> Pose:
+def turning_pose(shape: FlyShape, stroke_plane_angle: float, wingbeats: float = _WINGBEATS) -> Pose:
+    """100 deg to the right in ten wingbeats, banked by up to 25 deg, wings beating unequally."""
     time = np.arange(int(wingbeats * FRAME_RATE / _FREQUENCY)) / FRAME_RATE
     stroke = hover_stroke(_FREQUENCY).modulated(
         Modulation(stroke_offset=6 * deg, pitch_offset=-8 * deg, stroke_gain=0.08),

@@ -3,11 +3,9 @@
 import numpy as np
 
 from flycontrol.model.camera_forms import orthogonal_cameras
-from flycontrol.model.flapping_pose import flapping_pose
 from flycontrol.model.planform import Planform
-from flycontrol.model.stroke_kinematics import hover_stroke
-from flycontrol.model.wing_stroke import Modulation
 from flycontrol.units import deg, mm
+from flycontrol.vision.example_flight import turning_pose
 from flycontrol.vision.fly_shape import fly_shape
 from flycontrol.vision.render import render_silhouettes
 
@@ -20,20 +18,7 @@ STROKE_PLANE = 50 * deg
 
 def turning_flight(wingbeats):
     """Pose at 8,000 frames a second: 100 deg to the right, banked by up to 25 deg, with wings that beat unequally."""
-    time = np.arange(int(wingbeats * RATE / FREQUENCY)) / RATE
-    stroke = hover_stroke(FREQUENCY).modulated(
-        Modulation(stroke_offset=6 * deg, pitch_offset=-8 * deg, stroke_gain=0.08),
-        Modulation(deviation_offset=5 * deg, pitch_offset=8 * deg),
-    )
-    x = time / (10 / FREQUENCY)
-    turn = 20 * deg + 100 * deg * (10 * x**3 - 15 * x**4 + 6 * x**5)
-    pitch = 45 * deg + 2.4 * deg * np.sin(2 * np.pi * FREQUENCY * time) + 10 * deg * np.sin(2 * np.pi * 25 * time)
-    attitude = np.stack([turn, pitch, 25 * deg * np.sin(2 * np.pi * x)], axis=1)
-    position = np.stack([0.6 * x - 0.3, 0.3 * np.sin(6 * x), 0.3 * x**2], axis=1) * mm
-    return flapping_pose(
-        stroke, time, right_base_B=BARE.right_base_B, stroke_plane_angle=STROKE_PLANE,
-        position_W=position, attitude=attitude,
-    )  # fmt: skip
+    return turning_pose(BARE, STROKE_PLANE, wingbeats)
 
 
 def drawn(pose, shape=WITH_LEGS, cameras=CAMERAS):
