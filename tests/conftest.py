@@ -1,9 +1,10 @@
-"""What all tests share: where the real recordings are, how hypothesis draws, and a drawing backend without a screen."""
+"""What all tests share: the command, where real recordings are, how hypothesis draws, a backend without a screen."""
 
 import os
 from pathlib import Path
 
 import pytest
+from command_line import exit_status
 from hypothesis import settings
 
 os.environ["MPLBACKEND"] = "Agg"
@@ -14,6 +15,18 @@ _REQUIRE_DATA = os.environ.get("FLYCONTROL_REQUIRE_DATA") == "1"
 settings.register_profile("default", deadline=None)
 settings.register_profile("ci", deadline=None, derandomize=True, print_blob=True)
 settings.load_profile("ci" if _REQUIRE_DATA or os.environ.get("CI") else "default")
+
+
+@pytest.fixture
+def command(capsys):
+    """Run `flycontrol`: exit status, standard output, standard error."""
+
+    def run(*arguments):
+        status = exit_status(*arguments)
+        printed = capsys.readouterr()
+        return status, printed.out, printed.err
+
+    return run
 
 
 @pytest.fixture(scope="session")

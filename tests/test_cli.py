@@ -5,7 +5,6 @@ from importlib.metadata import version
 
 import pytest
 
-from flycontrol import cli
 from flycontrol.errors import OutputError
 from flycontrol.io.fly_files import parameter_text
 from flycontrol.io.parameters import read_parameters
@@ -14,20 +13,6 @@ HEAVY = (
     *("numpy", "scipy", "matplotlib", "control", "casadi", "cvxpy", "numba"),
     *("pint", "pydantic", "jinja2", "dask", "pandas"),
 )
-
-
-@pytest.fixture
-def command(monkeypatch, capsys):
-    """Run the command line in this process: exit status, standard output, standard error."""
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["flycontrol", *map(str, arguments)])
-        with pytest.raises(SystemExit) as done:
-            cli.main()
-        printed = capsys.readouterr()
-        return done.value.code or 0, printed.out, printed.err
-
-    return run
 
 
 @pytest.fixture

@@ -1,23 +1,19 @@
-import sys
 import tomllib
 
 import numpy as np
 import pytest
 
-from flycontrol import cli
 from flycontrol.identify.gains.synthetic import PULSE, synthetic_experiment
 from flycontrol.io.trials import read_trials
 
 
 @pytest.fixture
-def example(monkeypatch, capsys):
-    """Run `flycontrol example` in this process: exit status, standard error."""
+def example(command):
+    """Run `flycontrol example`: exit status, standard error."""
 
     def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["flycontrol", "example", *map(str, arguments)])
-        with pytest.raises(SystemExit) as done:
-            cli.main()
-        return done.value.code or 0, capsys.readouterr().err
+        status, _, said = command("example", *arguments)
+        return status, said
 
     return run
 

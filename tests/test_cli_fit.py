@@ -3,13 +3,12 @@
 import json
 import re
 import shlex
-import sys
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import pytest
 
-from flycontrol import cli
 from flycontrol.cli.fit_command import typed_command
 from flycontrol.cli.fit_options import FitRequest, requested_model
 from flycontrol.cli.fit_reporting import Report, listed
@@ -31,22 +30,14 @@ def demo(tmp_path_factory):
 
 
 @pytest.fixture
-def command(monkeypatch, capsys):
-    """Run `flycontrol fit` in this process: exit status, standard output, standard error."""
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["flycontrol", "fit", *map(str, arguments)])
-        with pytest.raises(SystemExit) as done:
-            cli.main()
-        printed = capsys.readouterr()
-        return done.value.code or 0, printed.out, printed.err
-
-    return run
+def fit(command):
+    """Run `flycontrol fit`: exit status, standard output, standard error."""
+    return partial(command, "fit")
 
 
-def test_json_on_standard_output_holds_the_truth_and_nothing_is_written(command, demo, tmp_path, monkeypatch):
+def test_json_on_standard_output_holds_the_truth_and_nothing_is_written(fit, demo, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    status, printed, said = command(demo / "*3.csv", "--mapping", demo / "mapping.toml", "--json", *AT_REST)
+    status, printed, said = fit(demo / "*3.csv", "--mapping", demo / "mapping.toml", "--json", *AT_REST)
     assert status == 0
     assert said.startswith("flycontrol: converged")
     assert re.search(r"\nflycontrol: kp [\d.]+ 1/s\^2 \(from [\d.]+ to [\d.]+ 1/s\^2\); kd .*; delay [\d.]+ ms ", said)
@@ -57,8 +48,8 @@ def test_json_on_standard_output_holds_the_truth_and_nothing_is_written(command,
     assert not list(tmp_path.iterdir())
 
 
-def test_without_a_mapping_one_to_edit_is_printed(command, demo):
-    status, printed, said = command(demo / "fly1_pulse1.csv")
+def test_without_a_mapping_one_to_edit_is_printed(fit, demo):
+    status, printed, said = fit(demo / "fly1_pulse1.csv")
     assert status == 2
     assert "time_ms" in printed
     assert "no --mapping says what its numbers mean" in said
@@ -75,17 +66,17 @@ def test_without_a_mapping_one_to_edit_is_printed(command, demo):
         (["--out", "FILE"], "is not a folder"),
     ],
 )
-def test_bad_options_end_with_status_2_before_any_work(command, demo, tmp_path, arguments, sentence):
+def test_bad_options_end_with_status_2_before_any_work(fit, demo, tmp_path, arguments, sentence):
     (tmp_path / "FILE").touch()
     arguments = [tmp_path / "FILE" if word == "FILE" else word for word in arguments]
-    status, _, said = command(demo / "*.csv", "--mapping", demo / "mapping.toml", *arguments)
+    status, _, said = fit(demo / "*.csv", "--mapping", demo / "mapping.toml", *arguments)
     assert status == 2
     assert sentence in said
     assert said.count("\n") == 1
 
 
-def test_a_folder_in_place_of_a_file_is_refused_in_one_sentence(command, demo):
-    status, _, said = command(demo, "--mapping", demo / "mapping.toml")
+def test_a_folder_in_place_of_a_file_is_refused_in_one_sentence(fit, demo):
+    status, _, said = fit(demo, "--mapping", demo / "mapping.toml")
     assert (status, said) == (2, f"flycontrol: {demo} is a folder; name a file in it.\n")
 
 
@@ -95,8 +86,8 @@ def test_everything_that_was_written_is_named():
     assert listed(report, written) == f"{Path('out/index.html')}, result.json, stability.html and table.md"
 
 
-def test_a_pattern_that_matches_nothing_is_refused(command, demo, tmp_path):
-    status, _, said = command(demo / "*.tsv", "--mapping", demo / "mapping.toml", "--out", tmp_path / "out")
+def test_a_pattern_that_matches_nothing_is_refused(fit, demo, tmp_path):
+    status, _, said = fit(demo / "*.tsv", "--mapping", demo / "mapping.toml", "--out", tmp_path / "out")
     assert status == 2
     assert "No file matches" in said
     assert not (tmp_path / "out").exists()
@@ -110,8 +101,8 @@ def test_a_pattern_that_matches_nothing_is_refused(command, demo, tmp_path):
         (["--estimate", "onset_shift"], "--estimate names the onset_shift of a pulse; leave one of them out"),
     ],
 )
-def test_a_spontaneous_flight_that_was_perturbed_is_refused(command, demo, further, sentence):
-    status, _, said = command(demo / "*3.csv", "--mapping", demo / "mapping.toml", "--spontaneous", *further)
+def test_a_spontaneous_flight_that_was_perturbed_is_refused(fit, demo, further, sentence):
+    status, _, said = fit(demo / "*3.csv", "--mapping", demo / "mapping.toml", "--spontaneous", *further)
     assert status == 2
     assert sentence in said
 

@@ -1,36 +1,28 @@
 import sys
+from functools import partial
 from types import ModuleType
 
 import numpy as np
 import pytest
 
-from flycontrol import cli
 from flycontrol.io.parameters import read_parameters
 
 FLIGHT = "muijres_freeflight/20121128_S0003.txt"
 
 
 @pytest.fixture
-def command(monkeypatch, capsys):
-    """Run `flycontrol report` in this process: exit status, standard output, standard error."""
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["flycontrol", "report", *map(str, arguments)])
-        with pytest.raises(SystemExit) as done:
-            cli.main()
-        printed = capsys.readouterr()
-        return done.value.code or 0, printed.out, printed.err
-
-    return run
+def report(command):
+    """Run `flycontrol report`: exit status, standard output, standard error."""
+    return partial(command, "report")
 
 
 @pytest.fixture
-def refused(command, tmp_path):
+def refused(report, tmp_path):
     """Run what must be refused before any work: status 2, one sentence, nothing written; return the sentence."""
 
     def run(*arguments):
         before = sorted(tmp_path.rglob("*"))
-        status, _, sentence = command(*arguments)
+        status, _, sentence = report(*arguments)
         assert status == 2
         assert sentence.count("\n") == 1
         assert sorted(tmp_path.rglob("*")) == before
@@ -54,17 +46,17 @@ def written_reports(monkeypatch):
     return caught
 
 
-def test_the_published_fly_is_reported_by_default(command, written_reports, tmp_path):
-    status, _, log = command("--out", tmp_path / "new")
+def test_the_published_fly_is_reported_by_default(report, written_reports, tmp_path):
+    status, _, log = report("--out", tmp_path / "new")
     assert status == 0
     assert written_reports == [(read_parameters(), None, tmp_path / "new", "flycontrol report")]
     assert "index.html" in log
 
 
-def test_parameters_and_a_real_flight_reach_the_report(command, written_reports, tmp_path, real_data):
+def test_parameters_and_a_real_flight_reach_the_report(report, written_reports, tmp_path, real_data):
     fly = tmp_path / "fly.toml"
     fly.write_text('[controller]\ndelay = "12 ms"')
-    status, _, _ = command(
+    status, _, _ = report(
         *("--parameters", fly, "--recording", real_data / FLIGHT, "--mapping", "muijres_freeflight", "--out", tmp_path)
     )
     ((parameters, analysis, _, _),) = written_reports
@@ -73,8 +65,8 @@ def test_parameters_and_a_real_flight_reach_the_report(command, written_reports,
     assert analysis.recording.name == "20121128_S0003"
 
 
-def test_without_a_mapping_the_columns_and_a_mapping_to_edit_are_printed(command, real_data, tmp_path):
-    status, printed, sentence = command("--recording", real_data / FLIGHT, "--out", tmp_path)
+def test_without_a_mapping_the_columns_and_a_mapping_to_edit_are_printed(report, real_data, tmp_path):
+    status, printed, sentence = report("--recording", real_data / FLIGHT, "--out", tmp_path)
     assert status == 2
     assert "row 20: 1284 samples" in printed
     assert "[clock]" in printed
@@ -82,10 +74,10 @@ def test_without_a_mapping_the_columns_and_a_mapping_to_edit_are_printed(command
     assert "a shipped mapping fits: if it is such a recording, add --mapping muijres_freeflight" in sentence
 
 
-def test_a_file_that_no_shipped_mapping_fits_is_described_too(command, tmp_path):
+def test_a_file_that_no_shipped_mapping_fits_is_described_too(report, tmp_path):
     table = tmp_path / "table.csv"
     table.write_text("t,psi\n" + "\n".join(f"{k / 5000},{np.sin(k / 100)}" for k in range(300)))
-    status, printed, sentence = command("--recording", table, "--out", tmp_path / "out")
+    status, printed, sentence = report("--recording", table, "--out", tmp_path / "out")
     assert status == 2
     assert "column 1 'psi': 300 samples" in printed
     assert "edit the mapping printed above" in sentence

@@ -1,35 +1,18 @@
-import contextlib
 import json
 import re
-import sys
-from functools import partial
 
 import h5py
 import numpy as np
 import pytest
+from command_line import exit_status
 from PIL import Image
 
-from flycontrol import cli
 from flycontrol.io.flight_experiments import experiment_text
 from flycontrol.io.recordings import read_recording
 from flycontrol.io.trials import read_trials
 
 SHORT = "[march]\nwingbeats = 6\n"
 PULSE = '[[pulse]]\naxis = "yaw"\ntorque = "3e-9 N m"\nonset = "2 wingbeats"\nduration = "1 wingbeat"\n'
-
-
-def run(capsys, monkeypatch, *arguments):
-    monkeypatch.setattr(sys, "argv", ["flycontrol", *map(str, arguments)])
-    with pytest.raises(SystemExit) as done:
-        cli.main()
-    printed = capsys.readouterr()
-    return done.value.code or 0, printed.out, printed.err
-
-
-@pytest.fixture
-def command(monkeypatch, capsys):
-    """Run `flycontrol` in this process: exit status, standard output, standard error."""
-    return partial(run, capsys, monkeypatch)
 
 
 @pytest.fixture
@@ -50,10 +33,7 @@ def pulsed(tmp_path_factory):
     """Folder of a short flight with a pulse."""
     folder = tmp_path_factory.mktemp("pulsed")
     (folder / "flight.toml").write_text(SHORT + PULSE)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sys, "argv", ["flycontrol", "simulate", f"{folder}/flight.toml", "--out", f"{folder}/out"])
-        with contextlib.suppress(SystemExit):
-            cli.main()
+    assert exit_status("simulate", folder / "flight.toml", "--out", folder / "out") == 0
     return folder / "out"
 
 

@@ -1,14 +1,12 @@
 import json
-import sys
 from dataclasses import replace
-from functools import partial
 
 import h5py
 import numpy as np
 import pytest
+from command_line import exit_status
 from PIL import Image
 
-from flycontrol import cli
 from flycontrol.cli.track_inputs import FilmOptions, FlyOptions, track_inputs
 from flycontrol.errors import InvalidInputError
 from flycontrol.io.cameras import read_cameras
@@ -24,26 +22,8 @@ from flycontrol.vision.render import render_silhouettes
 AIMS = {"yaw": 1, "pitch": 1, "roll": 3, "stroke": 2, "deviation": 2, "wing_pitch": 5}  #: root mean square [deg]
 
 
-def run(capsys, monkeypatch, *arguments):
-    monkeypatch.setattr(sys, "argv", ["flycontrol", *map(str, arguments)])
-    with pytest.raises(SystemExit) as done:
-        cli.main()
-    printed = capsys.readouterr()
-    return done.value.code or 0, printed.out, printed.err
-
-
-@pytest.fixture
-def command(monkeypatch, capsys):
-    """Run `flycontrol` in this process: exit status, standard output, standard error."""
-    return partial(run, capsys, monkeypatch)
-
-
 def flown(folder, *options):
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sys, "argv", ["flycontrol", "track", "--out", str(folder), *options])
-        with pytest.raises(SystemExit) as done:
-            cli.main()
-    assert done.value.code in (0, None)
+    assert exit_status("track", "--out", folder, *options) == 0
     return folder
 
 

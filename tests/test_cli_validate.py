@@ -9,8 +9,7 @@ import time
 from pathlib import Path
 
 import pytest
-
-from flycontrol import cli
+from command_line import exit_status
 
 ROOT = Path(__file__).parents[1]
 STATES = '''"""Is {name} so?"""
@@ -50,10 +49,7 @@ class Place:
         """In this process, which has loaded the package: exit status, standard error."""
         self._patch.chdir(self.folder)
         self._patch.delenv("FLYCONTROL_DATA", raising=False)
-        self._patch.setattr(sys, "argv", ["flycontrol", "validate", *map(str, options)])
-        with pytest.raises(SystemExit) as done:
-            cli.main()
-        return done.value.code or 0, self._captured.readouterr().err
+        return exit_status("validate", *options), self._captured.readouterr().err
 
     @property
     def runs(self):
