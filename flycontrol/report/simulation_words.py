@@ -35,6 +35,11 @@ class Row:
     value: str
     meaning: str = ""
 
+    @property
+    def values(self) -> tuple[str, str]:
+        """Its cells after the head."""
+        return self.value, self.meaning
+
 
 def lead(record: FlightRecord) -> list[str]:
     """What happened, in a few sentences; the first is the main one."""
