@@ -43,6 +43,7 @@ def flight_of_film(
     return TrackedFlight(
         name=filmed.name,
         time=np.array(filmed.frames) / (rate * filmed.frames.step),
+        frame_rate=rate,
         cameras=filmed.cameras,
         fly=found.sized.fly,
         sizes_fitted=found.sized.sizes is not None,

@@ -24,6 +24,7 @@ class TrackedFlight:
 
     name: str
     time: FloatArray  #: (N,) since frame 0 of the films [s]
+    frame_rate: float  #: of these frames, as it was given and not from their times, which are rounded [1/s]
     cameras: tuple[Camera, ...]  #: world z up
     fly: Fly  #: its sizes, as fitted or as given
     sizes_fitted: bool
@@ -41,8 +42,3 @@ class TrackedFlight:
     def numbers(self) -> NDArray[np.int64]:
         """(N,) numbers of the frames in the films."""
         return np.array(range(len(self.time)) if self.frames is None else self.frames, dtype=np.int64)
-
-    @property
-    def frame_rate(self) -> float:
-        """Frames a second [1/s]; NaN of one frame."""
-        return (len(self.time) - 1) / float(self.time[-1] - self.time[0]) if len(self.time) > 1 else np.nan

@@ -79,6 +79,7 @@ def tracked_flight(frames=8, *, cameras=3, status=None, truth=True, grey=False, 
     flight = TrackedFlight(
         name="made-up flight",
         time=time,
+        frame_rate=RATE,
         cameras=views,
         fly=Fly(shape=FLY, stroke_plane_angle=STROKE_PLANE),
         sizes_fitted=False,
