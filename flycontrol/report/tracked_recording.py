@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flycontrol.io.trajectory_columns import Variable
+from flycontrol.io.trajectory_columns import VARIABLES, Variable
 from flycontrol.io.trajectory_files import TrajectoryFormat, table_file
 from flycontrol.model.morphology import pitch_rotation
 from flycontrol.model.pose import ANGLES, COORDINATES, POSITION, Pose
@@ -16,21 +17,15 @@ from flycontrol.vision.tracked_frame import STATUSES
 
 FloatArray = NDArray[np.float64]
 
-_XYZ, _WXYZ, _ANGLES = ("x", "y", "z"), ("w", "x", "y", "z"), ("stroke", "deviation", "pitch")
 _PARTS = ("body", "left_wing", "right_wing")
 _CODES = ", ".join(f"{code} {status}" for code, status in enumerate(STATUSES))
-_MOTION = (
-    Variable("time", "s", "time since frame 0 of the film"),
-    Variable("yaw", "rad", "heading of the stroke plane's forward axis, positive to the right, no jumps"),
-    Variable("position_W", "m", "centre of the body's volume; world x and y level, z up", _XYZ),
-    Variable("q_WB", "1", "body to world, unit quaternion, scalar first; body x forward, y right, z down", _WXYZ),
-    Variable("velocity_S", "m/s", "of the body's centre, stroke-plane frame: forward, right, down", _XYZ),
-    Variable("angular_velocity_S", "rad/s", "roll, pitch, yaw rate about the stroke-plane axes", _XYZ),
-    Variable("left", "rad", "left wing: stroke forward, deviation dorsal, pitch 90 deg for a vertical chord", _ANGLES),
-    Variable("right", "rad", "right wing, likewise", _ANGLES),
-    Variable("left_rate", "rad/s", "rates of the left wing's angles", _ANGLES),
-    Variable("right_rate", "rad/s", "rates of the right wing's angles", _ANGLES),
-)
+#: What a simulated flight's variables mean of a tracked one, where that differs.
+_OF_A_FILM = {
+    "time": "time since frame 0 of the film",
+    "position_W": "centre of the body's volume; world x and y level, z up",
+    "velocity_S": "of the body's centre, stroke-plane frame: forward, right, down",
+}
+_MOTION = tuple(replace(variable, meaning=_OF_A_FILM.get(variable.name, variable.meaning)) for variable in VARIABLES)
 _QUALITY = (
     Variable("frame", "1", "number of the frame in the film, from 0"),
     Variable("status", "1", _CODES),
