@@ -82,7 +82,7 @@ def doubts(
         lost = claims.missed - usually_missed > _MISSED * area
         if np.any(lost):
             k = _least_supported(claims)
-            where = ", ".join(name for name, gone in zip(names, lost, strict=True) if gone)
+            where = ", ".join(f"'{name}'" for name, gone in zip(names, lost, strict=True) if gone)
             found[k] = f"{PARTS[k]} may be the part of the silhouette of {where} that is left over"
     return found[0], found[1], found[2]
 

@@ -95,3 +95,10 @@ def test_a_wing_hidden_in_the_body_while_its_silhouette_is_left_over_is_doubted(
     found = doubted(border, hidden, usual)
     assert found[1] == ""
     assert found[2]
+
+
+def test_what_is_left_over_is_put_down_to_a_wing_and_names_the_camera_in_quotes(borders):
+    usual = np.array([np.inf, -np.inf, np.inf])  # only the second view holds more than it used to
+    (said,) = [why for why in doubted(borders[0], STANCES[0], usual) if why]
+    assert re.findall("'([^']*)'", said) == [CAMERAS[1].name]
+    assert said.startswith(("the left wing may be", "the right wing may be"))
