@@ -1,9 +1,8 @@
-"""What the README shows of fitting works as printed."""
+"""What the README shows works as printed."""
 
 import contextlib
 import io
 import re
-import shlex
 from pathlib import Path
 
 from typer.testing import CliRunner
@@ -12,7 +11,8 @@ from flycontrol.cli import app
 from flycontrol.identify.gains.synthetic import synthetic_experiment
 from flycontrol.io.example_files import example_files
 
-README = (Path(__file__).resolve().parents[1] / "README.md").read_text(encoding="utf-8")
+ROOT = Path(__file__).resolve().parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
 def test_a_fit_from_python_takes_five_lines_and_holds_the_truth(tmp_path, monkeypatch):
@@ -32,12 +32,18 @@ def test_a_fit_from_python_takes_five_lines_and_holds_the_truth(tmp_path, monkey
 
 
 def test_the_commands_of_the_readme_have_only_options_that_exist():
-    lines = [line for line in README.splitlines() if re.match(r"flycontrol (fit|example|track) ", line)]
-    assert len(lines) == 3
-    for line in lines:
-        words = shlex.split(line)
-        shown = CliRunner().invoke(app, [words[1], "--help"]).output
-        assert all(word in shown for word in words if word.startswith("--"))
+    lines = re.findall(r"^flycontrol (\w+)(.*)$", README, re.MULTILINE)
+    assert {name for name, _ in lines} >= {"report", "example", "fit", "experiment", "simulate", "validate", "track"}
+    for name, rest in lines:
+        shown = CliRunner().invoke(app, [name, "--help"])
+        assert shown.exit_code == 0, name
+        assert all(option in shown.output for option in re.findall(r"--[a-z-]+", rest)), name
+
+
+def test_every_file_that_the_readme_links_exists():
+    links = [link for link in re.findall(r"\]\(([^)#]+)", README) if "://" not in link]
+    assert links
+    assert [link for link in links if not (ROOT / link).exists()] == []
 
 
 def test_a_fly_is_tracked_from_python_as_printed():
