@@ -122,38 +122,17 @@ def simulation_result(
         },
         "trim": _trim(record),
         "body_free": list(asked.free),
-        "air": {
-            "terms": list(asked.air.terms),
-            "coefficients": asked.air.coefficients,
-            "density_kg_m3": asked.air.density,
-        },
-        "pulses": [
-            {"start_ms": pulse.start / ms, "duration_ms": pulse.duration / ms, "torque_n_m": list(pulse.torque_S)}
-            for pulse in planned.plan.pulses
-        ],
+        "air": _air(asked),
+        "pulses": _pulses(record),
         "settings": {"steps": asked.steps, "samples": asked.samples, "nodes": asked.air.nodes},
         "error": _error(record),
         "mean": _mean(record),
-        "yaw": {
-            "peak_deg": record.peak_yaw / deg,
-            "peak_time_ms": record.peak_yaw_time / ms,
-            "peak_rate_rad_per_s": _largest(record.beats.angular_velocity_S[:, 2]),
-        },
+        "yaw": _yaw(record),
         "end": _end(record),
-        "beats": {
-            "phase": list(record.beats.phase),
-            "lift_weights": list(record.beats.lift.sum(axis=1) / asked.morphology.weight),
-            "yaw_rate_rad_per_s": list(record.beats.angular_velocity_S[:, 2]),
-            "power_uw": list(record.beats.power / 1e-6),
-        },
+        "beats": _beats(record),
         **({} if ensemble is None else {"ensemble": _ensemble(ensemble)}),
         "files": dict(files),
-        "provenance": {
-            "command": origin.command,
-            "experiment": origin.experiment,
-            "experiment_sha256": origin.sha256,
-            "versions": origin.versions,
-        },
+        "provenance": _provenance(origin),
         "fields": FIELDS,
     }  # fmt: skip
     return finite(fields)
@@ -193,6 +172,21 @@ def _trim(record: FlightRecord) -> dict[str, Any]:
     }
 
 
+def _air(asked: FlightExperiment) -> dict[str, Any]:
+    return {
+        "terms": list(asked.air.terms),
+        "coefficients": asked.air.coefficients,
+        "density_kg_m3": asked.air.density,
+    }
+
+
+def _pulses(record: FlightRecord) -> list[dict[str, Any]]:
+    return [
+        {"start_ms": pulse.start / ms, "duration_ms": pulse.duration / ms, "torque_n_m": list(pulse.torque_S)}
+        for pulse in record.planned.plan.pulses
+    ]
+
+
 def _error(record: FlightRecord) -> dict[str, Any]:
     step, quadrature = record.step_error, record.quadrature_error
     return {
@@ -219,6 +213,14 @@ def _mean(record: FlightRecord) -> dict[str, Any] | None:
     }
 
 
+def _yaw(record: FlightRecord) -> dict[str, Any]:
+    return {
+        "peak_deg": record.peak_yaw / deg,
+        "peak_time_ms": record.peak_yaw_time / ms,
+        "peak_rate_rad_per_s": _largest(record.beats.angular_velocity_S[:, 2]),
+    }
+
+
 def _end(record: FlightRecord) -> dict[str, Any] | None:
     body, angle = record.body, record.planned.experiment.morphology.stroke_plane_angle
     if not len(body.time):
@@ -231,6 +233,16 @@ def _end(record: FlightRecord) -> dict[str, Any] | None:
         "nose_up_deg": body.nose_up[-1] / deg,
         "roll_deg": body.roll[-1] / deg,
         "velocity_m_per_s": list(body.velocity_S[-1]),
+    }
+
+
+def _beats(record: FlightRecord) -> dict[str, Any]:
+    beats, weight = record.beats, record.planned.experiment.morphology.weight
+    return {
+        "phase": list(beats.phase),
+        "lift_weights": list(beats.lift.sum(axis=1) / weight),
+        "yaw_rate_rad_per_s": list(beats.angular_velocity_S[:, 2]),
+        "power_uw": list(beats.power / 1e-6),
     }
 
 
@@ -247,6 +259,15 @@ def _ensemble(ensemble: FlownEnsemble) -> dict[str, Any]:
         "heading_deg": ends(ensemble.yaw),
         "nose_up_deg": ends(ensemble.nose_up),
         "roll_deg": ends(ensemble.roll),
+    }
+
+
+def _provenance(origin: FlightProvenance) -> dict[str, Any]:
+    return {
+        "command": origin.command,
+        "experiment": origin.experiment,
+        "experiment_sha256": origin.sha256,
+        "versions": origin.versions,
     }
 
 
