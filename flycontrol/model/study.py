@@ -92,43 +92,44 @@ def study(
     progress(2, steps, "stability chart")
     plane, slice_ = gain_plane(loop), delay_slice(loop)
     progress(3, steps, "recoveries")
-    recovers = result.recovery_time is not None
-    recoveries = _recoveries(result, pade_order) if recovers else None
-    curve = recovery_curve(loop, task.duration, _curve_peaks(task), task.tolerance) if recovers else None
+    recoveries, curve = _recoveries(result, pade_order), _curve(result)
     table: list[DampingRow] = []
     for k, b in enumerate(dampings):
         progress(4 + k, steps, f"best P and PD at beta/I = {b:.0f} 1/s")
-        table.append(
-            DampingRow(
-                b=b,
-                proportional=fastest_proportional(b, loop.delay, task),
-                derivative=fastest_pd(b, loop.delay, task, 0.5),
-            )
-        )
+        table.append(_damping_row(b, loop.delay, task))
     progress(steps - 1, steps, "the damping at which P alone suffices")
     suffices = _proportional_suffices_from(loop.delay, task, deadline, dampings)
     progress(steps, steps, "done")
     return StabilityStudy(
-        result=result,
-        closed_form_largest_delay=_closed_form(loop),
-        shape=shape,
-        gain_locus=over_gain,
-        delay_locus=over_delay,
-        plane=plane,
-        delay_slice=slice_,
-        recoveries=recoveries,
-        curve=curve,
-        pade_poles={n: rightmost_roots(loop.pade_closed_loop(n)).roots for n in (1, 2, 4)} if loop.delay else {},
-        damping_table=table,
-        deadline=deadline,
-        proportional_suffices_from=suffices,
-    )
+        result=result, closed_form_largest_delay=_closed_form(loop), shape=shape, gain_locus=over_gain,
+        delay_locus=over_delay, plane=plane, delay_slice=slice_, recoveries=recoveries, curve=curve,
+        pade_poles=_pade_poles(loop), damping_table=table, deadline=deadline, proportional_suffices_from=suffices,
+    )  # fmt: skip
 
 
 def _closed_form(loop: YawLoop) -> float | None:
     require_pd(loop)
     b = loop.plant.damping_rate
     return largest_stable_delay(b, loop.kp, loop.kd) if loop.kp > 0 and b + loop.kd > 0 else None
+
+
+def _pade_poles(loop: YawLoop) -> dict[int, ComplexArray]:
+    """Of the orders that a reader would try; none without delay."""
+    return {n: rightmost_roots(loop.pade_closed_loop(n)).roots for n in (1, 2, 4)} if loop.delay else {}
+
+
+def _damping_row(b: float, delay: float, task: PulseTask) -> DampingRow:
+    return DampingRow(
+        b=b, proportional=fastest_proportional(b, delay, task), derivative=fastest_pd(b, delay, task, 0.5)
+    )  # fmt: skip
+
+
+def _curve(result: StabilityResult) -> RecoveryCurve | None:
+    """Recovery time against strength; None of a loop that does not recover."""
+    task = result.task
+    if result.recovery_time is None:
+        return None
+    return recovery_curve(result.loop, task.duration, _curve_peaks(task), task.tolerance)
 
 
 def _curve_peaks(task: PulseTask) -> FloatArray:
@@ -138,11 +139,14 @@ def _curve_peaks(task: PulseTask) -> FloatArray:
     return np.concatenate([np.geomspace(least, bend, 120), np.linspace(bend, most, 240)[1:]])
 
 
-def _recoveries(result: StabilityResult, order: int) -> YawRecoveries:
+def _recoveries(result: StabilityResult, order: int) -> YawRecoveries | None:
+    """After pulses of several strengths; None of a loop that does not recover."""
+    if result.recovery_time is None:
+        return None
     assert result.pulse is not None
     loop, task = result.loop, result.task
     peaks = task.peak * np.array(_STRENGTHS)
-    end = max(0.1, 1.3 * (result.recovery_time or 0.0))
+    end = max(0.1, 1.3 * result.recovery_time)
     time = np.linspace(0.0, end, 1201)
     exact = pulse_response(loop.closed_loop(), result.pulse, end)(time)
     approximate = pulse_response(loop.pade_closed_loop(order), result.pulse, end)(time)
