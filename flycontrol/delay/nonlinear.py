@@ -86,9 +86,7 @@ def nonlinear_response(  # noqa: PLR0913 (an experiment has these parts)
         real_number(value, what) for value, what in ((end, "The end of a response [s]"), (rtol, "rtol"), (atol, "atol"))
     )
     _require(lags, x0, end, rtol, atol)
-    signal = steady_inputs(np.zeros(0), end) if inputs is None else inputs
-    if signal.starts[0] > 0 or signal.end < end * (1 - 1e-12):
-        raise InvalidParameterError(f"Inputs must cover 0..{end:g} s, got {signal.starts[0]:g}..{signal.end:g} s.")
+    signal = _signal(inputs, end)
     u = np.zeros(signal.series.shape[1])
     require_right_hand_sides(_in_python(slope), _in_python(delayed), x0, len(u), p, len(lags))
     f, h = _first_class(slope), _first_class(delayed)
@@ -96,18 +94,12 @@ def nonlinear_response(  # noqa: PLR0913 (an experiment has these parts)
         past = _constant_past(h, lags, x0, u, p)
     else:
         past = _varying_past(h, lags, u, p, history, breaks)
-    edges = np.concatenate([past.starts[1:], [0.0], signal.starts[signal.starts > 0]])
-    kinks = np.append(0.0, linear_kernels.breakpoints(edges, lags, float(end), _KINK_ORDER))
     pieces = (signal.starts.copy(), signal.lengths.copy(), np.ascontiguousarray(signal.series))
     starts, lengths, series, states, reached = kernels.march(
-        f, h, lags, np.unique(kinks), tuple(past), pieces, p, x0, collocation_rule(), float(rtol), float(atol),
-        _MOST_PANELS,
+        f, h, lags, _kinks(past, signal, lags, end), tuple(past), pieces, p, x0, collocation_rule(), float(rtol),
+        float(atol), _MOST_PANELS,
     )  # fmt: skip
-    if reached < end * (1 - 1e-12):
-        raise InvalidParameterError(
-            f"The state cannot be followed beyond {reached:.6g} s: it escapes to infinity or the right-hand side is "
-            "not smooth there; end earlier, or smooth the right-hand side."
-        )
+    _require_the_end(reached, end)
     return Response(starts, lengths, series, states)
 
 
@@ -120,6 +112,28 @@ def _require(tau: FloatArray, x0: FloatArray, end: float, rtol: float, atol: flo
         raise InvalidParameterError(f"The initial state must be finite numbers (n,), got {x0.tolist()!r}.")
     if not (rtol >= 1e-13 and atol > 0):
         raise InvalidParameterError(f"Tolerances must be rtol >= 1e-13 and atol > 0, got {rtol!r} and {atol!r}.")
+
+
+def _require_the_end(reached: float, end: float) -> None:
+    if reached < end * (1 - 1e-12):
+        raise InvalidParameterError(
+            f"The state cannot be followed beyond {reached:.6g} s: it escapes to infinity or the right-hand side is "
+            "not smooth there; end earlier, or smooth the right-hand side."
+        )
+
+
+def _signal(inputs: PiecewisePolynomial | None, end: float) -> PiecewisePolynomial:
+    """Inputs that cover the response, (0) of them when left out."""
+    signal = steady_inputs(np.zeros(0), end) if inputs is None else inputs
+    if signal.starts[0] > 0 or signal.end < end * (1 - 1e-12):
+        raise InvalidParameterError(f"Inputs must cover 0..{end:g} s, got {signal.starts[0]:g}..{signal.end:g} s.")
+    return signal
+
+
+def _kinks(past: Past, signal: PiecewisePolynomial, tau: FloatArray, end: float) -> FloatArray:
+    """Times from 0 on at which panels must end [s], rising."""
+    edges = np.concatenate([past.starts[1:], [0.0], signal.starts[signal.starts > 0]])
+    return np.unique(np.append(0.0, linear_kernels.breakpoints(edges, tau, float(end), _KINK_ORDER)))
 
 
 def _constant_past(h: Compiled, tau: FloatArray, x0: FloatArray, u: FloatArray, p: FloatArray) -> Past:
