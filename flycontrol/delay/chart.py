@@ -122,13 +122,10 @@ def stability_chart(  # noqa: PLR0913 (options by name)
     done = len(y.values)
     rows: list[list[Member]] = []
     unstable = np.empty((len(y.values), len(x.values)), dtype=np.int64)
-    axis = np.zeros(len(x.values))
     for i, v in enumerate(y.values.tolist()):
         if not batched or "decay_rate" in quantities:
             rows.append([family.at(u, v) for u in x.values.tolist()])
-        points = np.column_stack([x.values, axis + v])
-        counted = numbers_of_stack(family.stack(points), axis) if batched else numbers_right_of(rows[-1], axis)
-        unstable[i] = np.maximum(counted.roots, -1)
+        unstable[i] = _unstable_at_once(family, x.values, v) if batched else _unstable_one_by_one(rows[-1])
         progress(i + 1, parts, "unstable roots")
     rates = margin = boundary = None
     if "decay_rate" in quantities:
@@ -162,6 +159,17 @@ def _check(
         )
     if "boundary" in quantities and min(len(x.values), len(y.values)) < 2:
         raise InvalidParameterError("A boundary needs at least two values on both axes; a slice has crossings instead.")
+
+
+def _unstable_at_once(family: Family, x: FloatArray, y: float) -> NDArray[np.int64]:
+    """Roots with Re s > 0 along a row of the grid (nx,), -1 where one lies on the axis, from one stack of blocks."""
+    points = np.column_stack([x, np.full(len(x), y)])
+    return np.maximum(numbers_of_stack(family.stack(points), np.zeros(len(x))).roots, -1)
+
+
+def _unstable_one_by_one(members: Sequence[Member]) -> NDArray[np.int64]:
+    """The same from the members of the row."""
+    return np.maximum(numbers_right_of(members, np.zeros(len(members))).roots, -1)
 
 
 def _modulus_margins(loops: Family, x: Axis, y: Axis, unstable: NDArray[np.int64]) -> FloatArray:
