@@ -45,36 +45,53 @@ def recovery_against_strength(
     figure = new_figure(3.9)
     ax = figure.subplots()
     top = 1.12 * float(curve.times.max()) / ms
-    bounds = [float(curve.peaks[0]), *curve.jumps, float(curve.peaks[-1])]
-    for left, right in pairwise(bounds):
-        part = (curve.peaks >= left) & (curve.peaks < right) if right < bounds[-1] else curve.peaks >= left
-        ax.plot(curve.peaks[part] / deg, curve.times[part] / ms, **EXACT_LINE)
-    ax.axhline(deadline / ms, **GUIDE_LINE)
-    ax.text(
-        curve.tolerance / deg + 0.016 * float(curve.peaks[-1]) / deg,
-        deadline / ms + 0.012 * top,
-        f"{deadline / ms:.3g} ms",
-        color=QUIET,
-        va="bottom",
-    )
+    _draw_broken(ax, curve)
+    _mark_deadline(ax, curve, deadline, top)
     _mark_jumps(ax, curve)
-    if result.recovery_time is not None:
-        ax.plot(result.task.peak / deg, result.recovery_time / ms, "o", color=MARK, markersize=6)
-        ax.annotate(
-            f"nominal pulse: {result.recovery_time / ms:.1f} ms", (result.task.peak / deg, result.recovery_time / ms),
-            xytext=(6, -14), textcoords="offset points", color=MARK,
-        )  # fmt: skip
-    ax.axvline(curve.tolerance / deg, **GUIDE_LINE)
-    ax.annotate(
-        f"smaller peaks never leave ±{curve.tolerance / deg:g}°", (curve.tolerance / deg, 0.05 * top), xytext=(5, 0),
-        textcoords="offset points", color=QUIET,
-    )  # fmt: skip
+    _mark_nominal(ax, result)
+    _mark_band(ax, curve, top)
     ax.set_xlim(0, float(curve.peaks[-1]) / deg)
     ax.set_ylim(0, top)
     ax.set_xlabel("peak deflection in yaw [deg]")
     ax.set_ylabel("recovery time [ms]")
     wingbeat_axis(ax, wingbeat_frequency, "y")
     return figure
+
+
+def _draw_broken(ax: Axes, curve: RecoveryCurve) -> None:
+    """Recovery time between its jumps."""
+    bounds = [float(curve.peaks[0]), *curve.jumps, float(curve.peaks[-1])]
+    for left, right in pairwise(bounds):
+        part = (curve.peaks >= left) & (curve.peaks < right) if right < bounds[-1] else curve.peaks >= left
+        ax.plot(curve.peaks[part] / deg, curve.times[part] / ms, **EXACT_LINE)
+
+
+def _mark_deadline(ax: Axes, curve: RecoveryCurve, deadline: float, top: float) -> None:
+    ax.axhline(deadline / ms, **GUIDE_LINE)
+    ax.text(
+        curve.tolerance / deg + 0.016 * float(curve.peaks[-1]) / deg, deadline / ms + 0.012 * top,
+        f"{deadline / ms:.3g} ms", color=QUIET, va="bottom",
+    )  # fmt: skip
+
+
+def _mark_nominal(ax: Axes, result: StabilityResult) -> None:
+    if result.recovery_time is None:
+        return
+    place = (result.task.peak / deg, result.recovery_time / ms)
+    ax.plot(*place, "o", color=MARK, markersize=6)
+    ax.annotate(
+        f"nominal pulse: {result.recovery_time / ms:.1f} ms", place, xytext=(6, -14), textcoords="offset points",
+        color=MARK,
+    )  # fmt: skip
+
+
+def _mark_band(ax: Axes, curve: RecoveryCurve, top: float) -> None:
+    """Peaks that need no recovery."""
+    ax.axvline(curve.tolerance / deg, **GUIDE_LINE)
+    ax.annotate(
+        f"smaller peaks never leave ±{curve.tolerance / deg:g}°", (curve.tolerance / deg, 0.05 * top), xytext=(5, 0),
+        textcoords="offset points", color=QUIET,
+    )  # fmt: skip
 
 
 def _mark_jumps(ax: Axes, curve: RecoveryCurve) -> None:
