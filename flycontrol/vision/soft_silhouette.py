@@ -6,13 +6,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt
-from scipy.special import expit
 
 from flycontrol.model.camera import Camera
+from flycontrol.vision.kernels.distance import distance_to
 from flycontrol.vision.views import BoolArray, Views
 
 FloatArray = NDArray[np.float64]
+
+_FAR = 500.0  #: softnesses from a border: there and beyond a silhouette is nothing
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -33,7 +34,7 @@ class BorderDistance:
     def softened(self, softness: float) -> FloatArray:
         """1 / (1 + exp(D / s)), (C, V, U), of a softness s [px]; made once."""
         if softness not in self._made:
-            self._made[softness] = np.asarray(expit(-self.distance / softness))
+            self._made[softness] = 1 / (1 + np.exp(np.minimum(self.distance / softness, _FAR)))
         return self._made[softness]
 
 
@@ -54,9 +55,8 @@ def border_distance(views: Views, margin: int) -> BorderDistance:
 
 def signed_distance(mask: BoolArray) -> FloatArray:
     """Distance of pixels' centres to the border, half a pixel from the outermost pixels of a mask; < 0 inside."""
-    outside = np.asarray(distance_transform_edt(~mask), dtype=np.float64)
-    inside = np.asarray(distance_transform_edt(mask), dtype=np.float64)
-    return np.where(mask, 0.5 - inside, outside - 0.5)
+    mask = np.ascontiguousarray(mask)
+    return np.where(mask, 0.5 - distance_to(mask, False), distance_to(mask, True) - 0.5)
 
 
 def _crop(mask: BoolArray, margin: int) -> tuple[BoolArray, tuple[int, int]]:

@@ -8,10 +8,10 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt
 
 from flycontrol.errors import InvalidInputError, InvalidParameterError
 from flycontrol.model.camera import Camera
+from flycontrol.vision.kernels.distance import distance_to
 
 BoolArray = NDArray[np.bool_]
 FloatArray = NDArray[np.float64]
@@ -121,6 +121,5 @@ def _graded(mask: BoolArray, slack: float) -> tuple[NDArray[np.uint8], tuple[int
     near = mask[top:bottom, left:right]
     grade = np.where(near, np.uint8(MASK), np.uint8(0))
     if slack > 0:
-        distance = np.asarray(distance_transform_edt(~near))
-        grade[~near & (distance <= slack)] = SLACK
+        grade[~near & (distance_to(np.ascontiguousarray(near), True) <= slack)] = SLACK
     return grade, (int(left), int(top))
