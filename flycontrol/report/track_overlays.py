@@ -70,7 +70,8 @@ def hull_of(frame: FilmedFrame, cameras: tuple[Camera, ...], shape: FlyShape) ->
     if not frame.silhouettes:
         return None
     try:
-        hull = fine_hull([silhouette.mask for silhouette in frame.silhouettes], cameras, fit_shape(shape))
+        masks = [silhouette.mask for silhouette in frame.silhouettes]
+        hull = fine_hull(masks, cameras, fit_shape(shape), compared=True)
     except InvalidInputError:
         return None
     return hull if len(hull) else None

@@ -66,7 +66,7 @@ def first_pose(
     return best
 
 
-def fine_hull(masks: Masks, cameras: Sequence[Camera], shape: FitShape) -> VisualHull:
-    """The hull at which a fly is dissected."""
+def fine_hull(masks: Masks, cameras: Sequence[Camera], shape: FitShape, *, compared: bool = False) -> VisualHull:
+    """The hull at which a fly is dissected; compared with its silhouettes only if asked for."""
     tolerance = Tolerance(slack=_SLACK, views=len(cameras))
-    return visual_hull(masks, cameras, shape.wing_length / _VOXELS, tolerance=tolerance)
+    return visual_hull(masks, cameras, shape.wing_length / _VOXELS, tolerance=tolerance, compared=compared)

@@ -65,7 +65,7 @@ class VisualHull:
 
     indices: IndexArray  #: (N, 3)
     size: float  #: edge of a voxel [m]
-    views: tuple[ViewConsistency, ...]
+    views: tuple[ViewConsistency, ...]  #: none where voxels and silhouettes were not compared
 
     def __post_init__(self) -> None:
         self.indices.setflags(write=False)
@@ -91,6 +91,7 @@ def visual_hull(
     *,
     tolerance: Tolerance = EXACT,
     box: Box | None = None,
+    compared: bool = True,
 ) -> VisualHull:
     """All voxels whose centres project onto every silhouette, and how well they cover the silhouettes.
 
@@ -103,6 +104,7 @@ def visual_hull(
     size : edge of a voxel; a pixel's width at the animal is a good one [m]
     tolerance : what silhouettes may miss
     box : where to look; found from the silhouettes if not given
+    compared : whether to look how well the voxels cover the silhouettes, which takes longer than to carve them
 
     Raises
     ------
@@ -113,7 +115,7 @@ def visual_hull(
         raise InvalidParameterError(f"The voxels' size must be finite and > 0 m, got {size!r}.")
     views = views_of(masks, cameras, tolerance.slack if tolerance.views else 0.0)
     indices = carve(views, size, tolerance, box or box_of_views(views, size))
-    return VisualHull(indices=indices, size=size, views=consistency(indices, size, views))
+    return VisualHull(indices=indices, size=size, views=consistency(indices, size, views) if compared else ())
 
 
 def carve(views: Views, size: float, tolerance: Tolerance, box: Box) -> IndexArray:
