@@ -4,28 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flycontrol.model.morphology import pitch_rotation
 from flycontrol.units import deg
+from flycontrol.vision.axes import across, cross
 from flycontrol.vision.dissection import BODY, LEFT, RIGHT, Dissection, dissect
 from flycontrol.vision.fly_shape import FlyShape
 from flycontrol.vision.hull import VisualHull
+from flycontrol.vision.hull_roll import roll_by_spans
+from flycontrol.vision.hull_wing import HullWing, wings_of_voxels
 from flycontrol.vision.stance import BASE_MOVE, MOVE, STEPS, TURN, WING_TURN, Stance
-from flycontrol.vision.wing_chord import diagonals
 
 FloatArray = NDArray[np.float64]
 
 _ROUNDS = 4  #: of parting voxels and reading axes, which come to rest in two or three
-_TOO_FAR = np.cos(np.radians(60.0))  #: of a span from the expected one
-_SAME_CHORD = np.cos(np.radians(15.0))  #: of a diagonal from the expected chord
-_SECTION = 0.12  #: half width of the section from which the chord is read, in wing lengths
-_OUTER = 0.3  #: of the wing length from the base: nearer voxels belong to body and wing alike
-#: Span lines miss the bases by so much, in wing lengths; roll changes by so much from frame to frame, lag included (C)
-_OFF_LINE, _ROLL_BETWEEN, _ROLLS = 0.03, 2.5 * deg, 60
 #: Of hull coordinates, by comparison with simulated flights (C): lengths in voxels, turns in radians.
 _SPREAD_MOVE, _SPREAD_TURN, _SPREAD_ROLL = 1.5, 3 * deg, 7 * deg
 _SPREAD_SPAN, _SPREAD_PITCH, _SPREAD_BASE = 7 * deg, 18 * deg, 4.0
@@ -70,128 +65,29 @@ def stance_of_hull(
     return HullStance(stance=stance, covariance=_covariance(parts, stance), dissection=parts)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Wing:
-    """Where a wing may be, in the world."""
-
-    axes: FloatArray  #: (3, 3) span, chord, normal
-    base: FloatArray  #: (3,) [m]
-
-
 def _read(
     parts: Dissection, seed: Stance, shape: FlyShape, up_B: FloatArray, cost: Callable[[Stance], float]
 ) -> Stance:
-    body = parts.part(BODY)
-    centre, forward = body.mean(axis=0), _long_axis(body)
-    forward = forward if forward @ seed.body_axes_W[:, 0] >= 0 else -forward
-    kept = [_Wing(axes=seed.wing_axes_W(k), base=centre + seed.body_axes_W @ seed.bases_B[k]) for k in (0, 1)]
-    upright = _upright(forward, seed.body_axes_W[:, 1])
-    found = (parts.found[1], parts.found[2])
+    body, R_seed = parts.moments(BODY), seed.body_axes_W
+    centre, forward = body.middle, body.long_axis
+    forward = forward if forward @ R_seed[:, 0] >= 0 else -forward
+    right = across(forward, R_seed[:, 1])
+    R = np.stack([forward, right, cross(forward, right)], axis=1)
+    wings = [HullWing(axes=seed.wing_axes_W(k), base=centre + R_seed @ seed.bases_B[k]) for k in (0, 1)]
 
-    def stance(wings: Sequence[_Wing]) -> Stance:
-        spans, bases = (np.stack(rows) for rows in ([w.axes[:, 0] for w in wings], [w.base - centre for w in wings]))
-        R = upright @ _roll(spans @ upright, bases @ upright, shape, found)
-        wings_B = np.stack([R.T @ wing.axes for wing in wings])
+    def as_fly(wings: Sequence[HullWing], R: FloatArray) -> Stance:
+        wings_B, bases = np.stack([R.T @ wing.axes for wing in wings]), np.stack([w.base - centre for w in wings])
         return replace(seed, position_W=centre, body_axes_W=R, wings_B=wings_B, bases_B=bases @ R)
 
     for k, label in enumerate((LEFT, RIGHT)):
         if parts.found[label - 1]:
-            ways = _wings(parts.part(label), kept[k], shape, seed.body_axes_W @ up_B, 2 * k - 1)
-            tried = [[way, kept[1]] if k == 0 else [kept[0], way] for way in ways]
-            kept = min(tried, key=lambda wings: cost(stance(wings))) if len(tried) > 1 else tried[0]
-    return stance(kept)
-
-
-def _wings(points: FloatArray, seed: _Wing, shape: FlyShape, up: FloatArray, hand: int) -> list[_Wing]:
-    """The wings that voxels (N, 3) may be, by what was expected: one for each way in which the chord may lie."""
-    length = float(shape.wing[-1, 0])
-    outer = points[(points - seed.base) @ seed.axes[:, 0] > _OUTER * length]
-    points = outer if len(outer) > 10 else points
-    middle, span = points.mean(axis=0), _long_axis(points)
-    span = span if span @ seed.axes[:, 0] >= 0 else -span
-    if span @ seed.axes[:, 0] < _TOO_FAR:
-        span = seed.axes[:, 0]  # the voxels of a wing half hidden may be wider than long
-    chords = _chords(points - middle, span, seed.axes[:, 1], length)
-    return [_wing(points, middle, span, chord if chord @ up >= 0 else -chord, (shape, hand)) for chord in chords]
-
-
-def _wing(
-    points: FloatArray, middle: FloatArray, span: FloatArray, chord: FloatArray, whose: tuple[FlyShape, int]
-) -> _Wing:
-    """A wing of voxels (N, 3) about their middle, by its long axis and its chord."""
-    shape, hand = whose
-    length, plate = float(shape.wing[-1, 0]), _plate(shape)
-    turned = np.cos(plate.tilt) * span - np.sin(plate.tilt) * chord
-    chord = np.cos(plate.tilt) * chord + np.sin(plate.tilt) * span
-    reach = np.percentile((points - middle) @ turned, 99.0)
-    axes = np.stack([turned, chord, hand * np.cross(turned, chord)], axis=1)
-    return _Wing(axes=axes, base=middle + (reach - length) * turned - plate.chordwise * chord)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Plate:
-    """How the outer part of a flat wing lies about its span's axis."""
-
-    chordwise: float  #: of its centre [m]
-    tilt: float  #: of its long axis, from the span towards the leading edge [rad]
-
-
-@lru_cache(maxsize=16)
-def _plate(shape: FlyShape) -> _Plate:
-    length = shape.wing[-1, 0]
-    s = np.linspace(_OUTER * length, length, 400)
-    trailing, leading = (np.interp(s, shape.wing[:, 0], shape.wing[:, k]) for k in (2, 1))
-    weight = (leading - trailing) / np.sum(leading - trailing)
-    middle = (leading + trailing) / 2
-    s0, c0 = float(weight @ s), float(weight @ middle)
-    across = float(weight @ ((middle - c0) ** 2 + (leading - trailing) ** 2 / 12))
-    mixed, along = float(weight @ ((s - s0) * (middle - c0))), float(weight @ (s - s0) ** 2)
-    return _Plate(chordwise=c0, tilt=0.5 * float(np.arctan2(2 * mixed, along - across)))
-
-
-def _chords(from_middle: FloatArray, span: FloatArray, seed: FloatArray, length: float) -> list[FloatArray]:
-    """(3,) across the span: the diagonals of the section, and the expected chord if it is none of them."""
-    first = seed - (seed @ span) * span
-    norm = np.linalg.norm(first)
-    first = first / norm if norm > 1e-6 else np.linalg.svd(span[None])[2][1]
-    plane = np.stack([first, np.cross(span, first)])
-    section = from_middle[np.abs(from_middle @ span) < _SECTION * length] @ plane.T
-    found = diagonals(section)
-    near = any(abs(way[0]) > _SAME_CHORD for way in found)
-    return [way @ plane for way in found] if near else [first, *(way @ plane for way in found)]
-
-
-def _roll(spans_B: FloatArray, bases_B: FloatArray, shape: FlyShape, found: tuple[bool, bool]) -> FloatArray:
-    """(3, 3) the turn about the long axis that brings the bases of the shape nearest to the lines along the spans.
-
-    min over r of sum log(1 + |(1 - s s^T) (Rx(r) b - b')|^2 / d^2) + r^2 / e^2 over the wings found: how far along its
-    span a wing begins the hull cannot tell, and a span read wrongly shall not turn the fly.
-    """
-    angles = np.arange(-_ROLLS, _ROLLS + 1) * deg / 2
-    b = shape.right_base_B
-    cost = (angles / _ROLL_BETWEEN) ** 2
-    for k in (0, 1):
-        y, z = b[1] * (2 * k - 1), b[2]
-        c, s = np.cos(angles), np.sin(angles)
-        turned = np.stack([np.full(len(angles), b[0]), y * c - z * s, y * s + z * c], axis=1)
-        away = turned - bases_B[k]
-        off = away - np.outer(away @ spans_B[k], spans_B[k])
-        cost += found[k] * np.log1p(np.sum(off**2, axis=1) / (_OFF_LINE * float(shape.wing[-1, 0])) ** 2)
-    best = float(angles[np.argmin(cost)])
-    return np.array([[1.0, 0.0, 0.0], [0.0, np.cos(best), -np.sin(best)], [0.0, np.sin(best), np.cos(best)]])
-
-
-def _long_axis(points: FloatArray) -> FloatArray:
-    """(3,) first principal axis of points (N, 3)."""
-    away = points - points.mean(axis=0)
-    return np.linalg.eigh(away.T @ away)[1][:, -1]
-
-
-def _upright(forward: FloatArray, across: FloatArray) -> FloatArray:
-    """(3, 3) forward, right, down: forward as given, right as near to `across` as it can be."""
-    right = across - (across @ forward) * forward
-    right = right / np.linalg.norm(right)
-    return np.stack([forward, right, np.cross(forward, right)], axis=1)
+            ways = wings_of_voxels(parts.part(label), wings[k], shape, R_seed @ up_B, 2 * k - 1)
+            tried = [[way, wings[1]] if k == 0 else [wings[0], way] for way in ways]
+            # how the body is rolled cannot be seen
+            wings = min(tried, key=lambda wings: cost(as_fly(wings, R))) if len(tried) > 1 else tried[0]
+    upright = as_fly(wings, R)
+    roll = roll_by_spans(upright.wings_B[:, :, 0], upright.bases_B, shape, (parts.found[1], parts.found[2]))
+    return as_fly(wings, R @ roll)
 
 
 def _covariance(parts: Dissection, stance: Stance) -> FloatArray:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull, QhullError
+
+from flycontrol.vision.kernels.convex import corners
 
 FloatArray = NDArray[np.float64]
 
 _SAME_WAY = np.cos(np.radians(30.0))  #: diagonals nearer to each other than this count as one (C)
+_FLAT = 1e-9  #: of the longest diagonal: points no farther apart across it lie on a line
 _RIVAL = 0.75  #: of the longest diagonal: a shorter one is no chord (C)
 
 
@@ -19,12 +21,14 @@ def diagonals(section: FloatArray) -> list[FloatArray]:
     diagonals, mostly the longer one; where both are about as long, it may be either. None if the points lie on a line
     or are too few.
     """
-    corners = _corners(section)
-    if corners is None:
+    if len(section) < 4:
         return []
-    ways = corners[:, None] - corners[None]
-    lengths = np.linalg.norm(ways, axis=2)
+    around = section[corners(section)]
+    ways = around[:, None] - around[None]
+    lengths = np.sqrt(np.sum(ways**2, axis=2))
     first = np.unravel_index(int(np.argmax(lengths)), lengths.shape)
+    if not np.max(np.abs(ways @ [-ways[first][1], ways[first][0]])) > _FLAT * lengths[first] ** 2:
+        return []
     best = ways[first] / lengths[first]
     other = np.abs(ways @ best) < _SAME_WAY * lengths
     second = np.unravel_index(int(np.argmax(np.where(other, lengths, 0.0))), lengths.shape)
@@ -43,12 +47,3 @@ def diagonal(section: FloatArray, expected: FloatArray) -> FloatArray | None:
         return None
     best = max(found, key=lambda way: abs(way @ expected)) if len(found) > 1 else found[0]
     return best if best @ expected >= 0 else -best
-
-
-def _corners(section: FloatArray) -> FloatArray | None:
-    if len(section) < 4:
-        return None
-    try:
-        return section[ConvexHull(section).vertices]
-    except QhullError:
-        return None

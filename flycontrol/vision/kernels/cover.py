@@ -73,10 +73,9 @@ def _disc_distance(discs, u, v, near):
     """Signed distance to the union of discs; near: sphere, and the outward direction there."""
     best, which = 1e30, 0
     for k in range(discs.shape[0]):
-        du, dv = u - discs[k, 0], v - discs[k, 1]
-        d = np.sqrt(du * du + dv * dv) - discs[k, 2]
-        if d < best:
-            best, which = d, k
+        du, dv, wanted = u - discs[k, 0], v - discs[k, 1], best + discs[k, 2]
+        if wanted > 0.0 and du * du + dv * dv < wanted * wanted:  # a root only where it may be the least
+            best, which = np.sqrt(du * du + dv * dv) - discs[k, 2], k
     du, dv = u - discs[which, 0], v - discs[which, 1]
     r = np.sqrt(du * du + dv * dv) + 1e-12
     near[0], near[1], near[2] = which, du / r, dv / r
