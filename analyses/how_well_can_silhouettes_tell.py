@@ -30,7 +30,7 @@ from flycontrol.vision.fly_shape import FlyShape, fly_shape
 from flycontrol.vision.follower import Fly, Follower
 from flycontrol.vision.hull_stance import stance_of_hull
 from flycontrol.vision.render import IDEAL, Imaging, Silhouettes, degraded, render_silhouettes
-from flycontrol.vision.silhouette_fit import Agreement, SilhouetteFit, silhouette_cost
+from flycontrol.vision.silhouette_fit import Agreement, SilhouetteFit, best_wing
 from flycontrol.vision.silhouettes import cleaned
 from flycontrol.vision.size_fit import Sizes, resized
 from flycontrol.vision.soft_silhouette import border_distance
@@ -318,8 +318,8 @@ def read_off_hulls(filming: Filming, truth: Pose, first: int, count: int, step: 
         hull = fine_hull(views, filming.cameras, shape)
         before = disturbed(stances_of(truth[max(first + k * step - 1, 0)])[0], rng)
         border = border_distance(views_of(views, filming.cameras), MARGIN)
-        cost = partial(silhouette_cost, border, shape, softness=2.5)  # roughly, as the tracker judges a hull
-        read = stance_of_hull(hull, before, FITTED, STROKE_PLANE, cost) if len(hull) else None
+        choice = partial(best_wing, border, shape, softness=2.5)  # roughly, as the tracker judges a hull
+        read = stance_of_hull(hull, before, FITTED, STROKE_PLANE, choice) if len(hull) else None
         if read is not None and read.dissection.complete:
             said[k] = pose_of([read.stance], STROKE_PLANE).coordinates[0]
     error = errors(Pose(coordinates=said, stroke_plane_angle=STROKE_PLANE), pose)

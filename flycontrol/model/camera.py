@@ -74,8 +74,8 @@ class Camera:
 
     @property
     def ideal(self) -> Camera:
-        """The same camera without its lens distortion."""
-        return replaced(self, distortion=None)
+        """The same camera without its lens distortion: itself, where it has none."""
+        return self if self.distortion is None else replaced(self, distortion=None)
 
     def depth(self, points: ArrayLike) -> FloatArray:
         """(N,) distance along the optical axis of points (N, 3) [m], from the centre; orthographic: from the origin."""

@@ -23,6 +23,7 @@ REST, BODY, LEFT, RIGHT = 0, 1, 2, 3  #: labels of voxels; the rest are legs and
 _REACH = 0.1
 #: A wing of fewer voxels than this share of its area's worth has not been found (C)
 _FEWEST = 0.2
+_ORIGIN = np.zeros(3)
 _BINS = 16  #: of a table to each of its rows: a place is then seldom looked for beyond the first row tried
 
 
@@ -37,7 +38,15 @@ class Dissection:
 
     def part(self, label: int) -> FloatArray:
         """(M, 3) centres of one part's voxels [m]."""
-        return gather(self.hull.indices, self.labels, label, self.counts[label], self.hull.size)
+        return self.beyond(label, _ORIGIN, _ORIGIN, -np.inf)
+
+    def beyond(self, label: int, base: FloatArray, along: FloatArray, least: float) -> FloatArray:
+        """(M, 3) centres of one part's voxels that lie beyond `least` [m] from a base (3,) along a way (3,).
+
+        They are counted from the base [m].
+        """
+        hull = self.hull
+        return gather(hull.indices, self.labels, label, self.counts[label], hull.size, base, along, least)
 
     def moments(self, label: int) -> Moments:
         """Of the centres of one part's voxels."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +23,7 @@ from flycontrol.vision.hull_stance import stance_of_hull
 from flycontrol.vision.prediction import drifted, expectations, unseen_wing
 from flycontrol.vision.rival import with_rivals
 from flycontrol.vision.second_look import SecondLook, with_wing
-from flycontrol.vision.silhouette_fit import Agreement, SilhouetteFit, agreement, silhouette_cost
+from flycontrol.vision.silhouette_fit import Agreement, SilhouetteFit, agreement, best_wing, silhouette_cost
 from flycontrol.vision.soft_silhouette import BorderDistance, border_distance
 from flycontrol.vision.stance import MOVE, Stance
 from flycontrol.vision.tracked_frame import TrackedFrame
@@ -106,7 +107,8 @@ class Follower:
             others = [*look.twisted(best.fit.stance)]
             hull = fine_hull(masks, self.cameras, shape)
             if len(hull):
-                read = stance_of_hull(hull, expected, self.fly.shape, self.fly.stroke_plane_angle, look.cost)
+                choice = partial(best_wing, border, shape)
+                read = stance_of_hull(hull, expected, self.fly.shape, self.fly.stroke_plane_angle, choice)
                 others.append(look.near(read.stance))
             best = self._best([best.fit, *others], border, shape)
         if self.blind:
@@ -142,7 +144,8 @@ class Follower:
     def _read_from(self, seed: Stance, hull: VisualHull, look: SecondLook) -> SilhouetteFit | None:
         if not len(hull):
             return None
-        read = stance_of_hull(hull, seed, self.fly.shape, self.fly.stroke_plane_angle, look.cost)
+        choice = partial(best_wing, look.border, look.shape)
+        read = stance_of_hull(hull, seed, self.fly.shape, self.fly.stroke_plane_angle, choice)
         if not read.dissection.complete:
             return None
         seen = agreement(look.border, look.shape, read.stance)

@@ -19,6 +19,8 @@ from flycontrol.vision.hull_wing import HullWing, wings_of_voxels
 from flycontrol.vision.stance import BASE_MOVE, MOVE, STEPS, TURN, WING_TURN, Stance
 
 FloatArray = NDArray[np.float64]
+#: Which of some stances fits best that differ in the left (0) or right (1) wing only.
+Choice = Callable[[Sequence[Stance], int], int]
 
 _ROUNDS = 4  #: of parting voxels and reading axes, which come to rest in two or three
 #: Of hull coordinates, by comparison with simulated flights (C): lengths in voxels, turns in radians.
@@ -36,7 +38,7 @@ class HullStance:
 
 
 def stance_of_hull(
-    hull: VisualHull, seed: Stance, shape: FlyShape, stroke_plane_angle: float, cost: Callable[[Stance], float]
+    hull: VisualHull, seed: Stance, shape: FlyShape, stroke_plane_angle: float, best_wing: Choice
 ) -> HullStance:
     """Long axes are principal axes, chords diagonals of sections; roll puts the wings' bases on the lines of the spans.
 
@@ -49,14 +51,14 @@ def stance_of_hull(
     seed : the stance expected; it tells left from right and head from tail
     shape : sizes of the fly
     stroke_plane_angle : v_S = Ry(angle) v_B [rad]
-    cost : how badly a stance fits the silhouettes
+    best_wing : which stance the silhouettes choose
     """
     stance, parts = seed, dissect(hull, seed, shape)
     up_B = pitch_rotation(stroke_plane_angle).T @ np.array([0.0, 0.0, -1.0])
     for _ in range(_ROUNDS):
         if not parts.found[0]:
             break
-        stance = _read(parts, stance, shape, up_B, cost)
+        stance = _read(parts, stance, shape, up_B, best_wing)
         again = dissect(hull, stance, shape)
         settled = np.array_equal(again.labels, parts.labels)
         parts = again
@@ -65,9 +67,7 @@ def stance_of_hull(
     return HullStance(stance=stance, covariance=_covariance(parts, stance), dissection=parts)
 
 
-def _read(
-    parts: Dissection, seed: Stance, shape: FlyShape, up_B: FloatArray, cost: Callable[[Stance], float]
-) -> Stance:
+def _read(parts: Dissection, seed: Stance, shape: FlyShape, up_B: FloatArray, best_wing: Choice) -> Stance:
     body, R_seed = parts.moments(BODY), seed.body_axes_W
     centre, forward = body.middle, body.long_axis
     forward = forward if forward @ R_seed[:, 0] >= 0 else -forward
@@ -81,10 +81,10 @@ def _read(
 
     for k, label in enumerate((LEFT, RIGHT)):
         if parts.found[label - 1]:
-            ways = wings_of_voxels(parts.part(label), wings[k], shape, R_seed @ up_B, 2 * k - 1)
+            ways = wings_of_voxels(parts, label, wings[k], shape, R_seed @ up_B)
             tried = [[way, wings[1]] if k == 0 else [wings[0], way] for way in ways]
             # how the body is rolled cannot be seen
-            wings = min(tried, key=lambda wings: cost(as_fly(wings, R))) if len(tried) > 1 else tried[0]
+            wings = tried[best_wing([as_fly(each, R) for each in tried], k) if len(tried) > 1 else 0]
     upright = as_fly(wings, R)
     roll = roll_by_spans(upright.wings_B[:, :, 0], upright.bases_B, shape, (parts.found[1], parts.found[2]))
     return as_fly(wings, R @ roll)

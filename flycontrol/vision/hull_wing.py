@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flycontrol.vision.axes import across, cross
+from flycontrol.vision.dissection import RIGHT, Dissection
 from flycontrol.vision.fly_shape import FlyShape
+from flycontrol.vision.kernels.section import section
 from flycontrol.vision.moments import moments_of_points
 from flycontrol.vision.wing_chord import diagonals
 
@@ -30,40 +32,48 @@ class HullWing:
     base: FloatArray  #: (3,) [m]
 
 
-def wings_of_voxels(points: FloatArray, seed: HullWing, shape: FlyShape, up: FloatArray, hand: int) -> list[HullWing]:
-    """The wings that voxels may be, by what was expected: one for each way in which the chord may lie.
+def wings_of_voxels(parts: Dissection, label: int, seed: HullWing, shape: FlyShape, up: FloatArray) -> list[HullWing]:
+    """The wings that the voxels of one label may be, by what was expected: one for each way the chord may lie.
 
     Parameters
     ----------
-    points : (N, 3) centres of the voxels [m]
+    parts : of the hull
+    label : LEFT or RIGHT
     seed : the wing expected
     shape : of the fly
     up : (3,) to where leading edges point
-    hand : -1 for a left wing, +1 for a right one
     """
-    length = float(shape.wing[-1, 0])
-    outer = points[(points - seed.base) @ seed.axes[:, 0] > _OUTER * length]
-    points = outer if len(outer) > 10 else points
-    found = moments_of_points(points)
-    span, from_middle = found.long_axis, points - found.middle
-    span = span if span @ seed.axes[:, 0] >= 0 else -span
-    if span @ seed.axes[:, 0] < _TOO_FAR:
-        span = seed.axes[:, 0]  # the voxels of a wing half hidden may be wider than long
-    chords = (chord if chord @ up >= 0 else -chord for chord in _chords(from_middle, span, seed.axes[:, 1], length))
-    return [_wing(from_middle, span, chord, found.middle, (shape, hand)) for chord in chords]
+    length, outward = float(shape.wing[-1, 0]), np.ascontiguousarray(seed.axes[:, 0])
+    points = parts.beyond(label, seed.base, outward, _OUTER * length)
+    points = points if len(points) > 10 else parts.beyond(label, seed.base, outward, -np.inf)
+    moments = moments_of_points(points)
+    span = moments.long_axis
+    span = span if span @ outward >= 0 else -span
+    if span @ outward < _TOO_FAR:
+        span = outward  # the voxels of a wing half hidden may be wider than long
+    cloud = _Cloud(points=points, middle=moments.middle, base=seed.base)
+    chords = (chord if chord @ up >= 0 else -chord for chord in _chords(cloud, span, seed.axes[:, 1], length))
+    return [_wing(cloud, span, chord, shape, 1 if label == RIGHT else -1) for chord in chords]
 
 
-def _wing(
-    from_middle: FloatArray, span: FloatArray, chord: FloatArray, middle: FloatArray, whose: tuple[FlyShape, int]
-) -> HullWing:
-    """A wing of voxels (N, 3), counted from their middle, by its long axis and its chord."""
-    shape, hand = whose
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Cloud:
+    """The outer voxels of a wing."""
+
+    points: FloatArray  #: (N, 3) counted from the base [m]
+    middle: FloatArray  #: (3,) likewise
+    base: FloatArray  #: (3,) [m]
+
+
+def _wing(cloud: _Cloud, span: FloatArray, chord: FloatArray, shape: FlyShape, hand: int) -> HullWing:
+    """The wing by its long axis and its chord; hand -1 for a left wing."""
     length, plate = float(shape.wing[-1, 0]), _plate(shape)
     turned = np.cos(plate.tilt) * span - np.sin(plate.tilt) * chord
     chord = np.cos(plate.tilt) * chord + np.sin(plate.tilt) * span
-    reach = _nearly_all(from_middle @ turned)
+    reach = _nearly_all(cloud.points @ turned)
     axes = np.stack([turned, chord, hand * cross(turned, chord)], axis=1)
-    return HullWing(axes=axes, base=middle + (reach - length) * turned - plate.chordwise * chord)
+    from_base = cloud.middle + (reach - cloud.middle @ turned - length) * turned - plate.chordwise * chord
+    return HullWing(axes=axes, base=cloud.base + from_base)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -87,14 +97,14 @@ def _plate(shape: FlyShape) -> _Plate:
     return _Plate(chordwise=c0, tilt=0.5 * float(np.arctan2(2 * mixed, along - across)))
 
 
-def _chords(from_middle: FloatArray, span: FloatArray, seed: FloatArray, length: float) -> list[FloatArray]:
+def _chords(cloud: _Cloud, span: FloatArray, seed: FloatArray, length: float) -> list[FloatArray]:
     """(3,) across the span: the diagonals of the section, and the expected chord if it is none of them."""
     first = across(span, seed)
-    plane = np.stack([first, cross(span, first)])
-    section = from_middle[np.abs(from_middle @ span) < _SECTION * length] @ plane.T
-    found = diagonals(section)
+    second = cross(span, first)
+    found = diagonals(section(cloud.points, cloud.middle, span, _SECTION * length, first, second))
+    ways = [way[0] * first + way[1] * second for way in found]
     near = any(abs(way[0]) > _SAME_CHORD for way in found)
-    return [way @ plane for way in found] if near else [first, *(way @ plane for way in found)]
+    return ways if near else [first, *ways]
 
 
 def _nearly_all(along: FloatArray) -> float:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flycontrol.vision.kernels.parting import sums
+from flycontrol.vision.kernels.moments import spread, sums
 
 FloatArray = NDArray[np.float64]
 
@@ -27,9 +27,8 @@ class Moments:
 
 def moments_of_points(points: FloatArray) -> Moments:
     """Of points (N, 3) [m]."""
-    middle = np.ones(len(points)) @ points / max(len(points), 1)
-    away = points - middle
-    return Moments(middle=middle, scatter=away.T @ away)
+    middle, scatter = spread(points)
+    return Moments(middle=middle, scatter=scatter)
 
 
 def moments_of_voxels(indices: NDArray[np.int32], labels: NDArray[np.int8], label: int, size: float) -> Moments:

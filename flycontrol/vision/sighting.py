@@ -118,7 +118,11 @@ def _near(mask: BoolArray, camera: Camera, shape: FitShape, expected: Stance) ->
     pixels, scale = camera.project(points), camera.pixels_per_metre(points)
     limit = _REACH * shape.wing_length * float(np.mean(scale))
     kept = np.zeros(count + 1, dtype=np.bool_)
-    for number in range(1, count + 1):
+    if limit > 1:  # parts that hold a pixel of the expected fly, as its own do, need no look at every pixel
+        nearest = np.floor(pixels[camera.sees(pixels)] + 0.5).astype(np.intp)
+        kept[parts[nearest[:, 1], nearest[:, 0]]] = True
+        kept[0] = False
+    for number in np.flatnonzero(~kept[1:]) + 1:
         v, u = np.nonzero(parts == number)
         away = np.hypot(u[:, None] - pixels[None, :, 0], v[:, None] - pixels[None, :, 1]) - radii * scale
         kept[number] = np.nanmin(away) < limit

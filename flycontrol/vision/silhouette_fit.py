@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import cast
 
 import numpy as np
@@ -12,7 +12,7 @@ from scipy.linalg import cho_factor, cho_solve
 
 from flycontrol.units import deg
 from flycontrol.vision.fit_shape import FitShape
-from flycontrol.vision.kernels.cover import COLUMNS, compare
+from flycontrol.vision.kernels.cover import BAND, COLUMNS, compare
 from flycontrol.vision.soft_silhouette import BorderDistance
 from flycontrol.vision.stance import BASE_MOVE, STEPS, TURN, WING_TURN, Stance, step_between, stepped
 
@@ -24,6 +24,7 @@ _BORDER_VARIANCE = 0.75
 #: less, but a wing half lost in the body is found again less often (C)
 _LENIENCE = 1.0
 _ROUNDS, _LARGEST_STEP = 25, 0.35  #: of Levenberg and Marquardt; in wing lengths and radians
+_EVERYWHERE = [-np.inf, np.inf, -np.inf, np.inf]
 _TURNS = slice(TURN.start, WING_TURN[1].stop)
 
 
@@ -79,15 +80,18 @@ class _Problem:
     target: FloatArray
     expected: Stance | None = None
     leash: Leash = _LEASH
+    windows: FloatArray | None = None  #: (C, 4) least and largest u, v of the pixels that are compared; all if None
 
     def compared(self, stance: Stance, *, gradient: bool = True) -> tuple[_Quadratic, FloatArray]:
         """The silhouettes' share of the cost, and the tally of pixels (C, 3)."""
         H = np.zeros((COLUMNS, COLUMNS)) if gradient else np.empty((0, 0))
         g, tally = np.zeros(COLUMNS), np.zeros((len(self.border.cameras), 3))
         stride = max(int(self.softness), 1)  # a soft border is smooth enough to be looked at less often
+        windows = np.array([_EVERYWHERE] * len(self.border.cameras)) if self.windows is None else self.windows
         cost = compare(
             np.stack([camera.matrix for camera in self.border.cameras]), self.target,
-            self.border.corner, self.border.extent, self.border.image, self.softness, stride, _LENIENCE,
+            self.border.corner, self.border.extent, self.border.image,
+            windows, self.softness, stride, _LENIENCE,
             stance.position_W, np.ascontiguousarray(stance.body_axes_W), np.ascontiguousarray(stance.wings_B),
             np.ascontiguousarray(stance.bases_B), self.shape.spheres, self.shape.outline, self.shape.half_thickness,
             H, g, tally,
@@ -117,6 +121,21 @@ class _Problem:
 def silhouette_cost(border: BorderDistance, shape: FitShape, stance: Stance, softness: float) -> float:
     """Weighted sum of squared differences of soft silhouettes, over all pixels [px]."""
     return _problem(border, shape, softness).compared(stance, gradient=False)[0].cost
+
+
+def best_wing(
+    border: BorderDistance, shape: FitShape, stances: Sequence[Stance], side: int, *, softness: float = 2.0
+) -> int:
+    """Which of some stances costs least that differ in the left (0) or right (1) wing only.
+
+    Pixels farther from all places of that wing than its soft border reaches cost the same with each, and are left out.
+    """
+    sheet = np.column_stack([shape.outline, np.full(len(shape.outline), shape.half_thickness)])
+    sheet = np.vstack([sheet, sheet * [1.0, 1.0, -1.0]])
+    points = np.concatenate([stance.base_W(side) + sheet @ stance.wing_axes_W(side).T for stance in stances])
+    windows = [_window(camera.project(points), BAND * softness) for camera in border.cameras]
+    problem = replace(_problem(border, shape, softness), windows=np.array(windows))
+    return int(np.argmin([problem.compared(stance, gradient=False)[0].cost for stance in stances]))
 
 
 def agreement(border: BorderDistance, shape: FitShape, stance: Stance, softness: float = 1.0) -> Agreement:
@@ -214,6 +233,14 @@ def _descended(problem: _Problem, stance: Stance) -> tuple[Stance, int, bool]:
         if longest < 3e-4 or damping > 1e4 or 0 <= gain < 1e-5 * at.cost:
             return stance, k + 1, True
     return stance, _ROUNDS, False
+
+
+def _window(pixels: FloatArray, margin: float) -> list[float]:
+    """Least and largest u, least and largest v of pixels (N, 2) with a margin; all where some are behind the camera."""
+    if not np.all(np.isfinite(pixels)):
+        return _EVERYWHERE
+    (u0, v0), (u1, v1) = np.min(pixels, axis=0) - margin, np.max(pixels, axis=0) + margin
+    return [float(u0), float(u1), float(v0), float(v1)]
 
 
 def _residual_variance(s: float) -> float:

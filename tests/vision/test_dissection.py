@@ -1,4 +1,5 @@
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from flycontrol.vision.first_pose import fine_hull
 from flycontrol.vision.fit_shape import fit_shape
 from flycontrol.vision.hull_stance import stance_of_hull
 from flycontrol.vision.render import render_silhouettes
-from flycontrol.vision.silhouette_fit import silhouette_cost
+from flycontrol.vision.silhouette_fit import best_wing
 from flycontrol.vision.soft_silhouette import border_distance
 from flycontrol.vision.stance import TURN, pose_of, stances_of, step_between
 from flycontrol.vision.views import views_of
@@ -22,9 +23,8 @@ STANCES = stances_of(POSE)
 SHAPE = fit_shape(BARE)
 
 
-def cost_before(masks):
-    border = border_distance(views_of(masks, CAMERAS), 20)
-    return lambda stance: silhouette_cost(border, SHAPE, stance, 2.0)
+def choice_before(masks):
+    return partial(best_wing, border_distance(views_of(masks, CAMERAS), 20), SHAPE)
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +61,7 @@ def test_a_hull_without_wings_is_not_dissected_into_three(hulls):
 def test_a_hull_gives_back_the_body_and_most_of_the_wings(hulls):
     """The method's own publication states 5 deg; where wings meet a hull errs by more."""
     read = [
-        stance_of_hull(hull, stance, BARE, STROKE_PLANE, cost_before(masks)).stance
+        stance_of_hull(hull, stance, BARE, STROKE_PLANE, choice_before(masks)).stance
         for hull, stance, masks in zip(hulls, STANCES, drawn(POSE), strict=True)
     ]
     away = np.abs(apart(pose_of(read, STROKE_PLANE), POSE))
@@ -76,7 +76,7 @@ def test_roll_is_read_off_the_lines_of_the_wings_and_not_off_where_they_seem_to_
     better = 0
     for hull, stance, masks in zip(hulls, STANCES, drawn(POSE), strict=True):
         rolled = replace(stance, body_axes_W=stance.body_axes_W @ turn, wings_B=turn.T @ stance.wings_B)
-        read = stance_of_hull(hull, rolled, BARE, STROKE_PLANE, cost_before(masks)).stance
+        read = stance_of_hull(hull, rolled, BARE, STROKE_PLANE, choice_before(masks)).stance
         better += abs(step_between(stance, read)[TURN][0]) < 8 * deg
     assert better >= len(hulls) - 1
 

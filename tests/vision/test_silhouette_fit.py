@@ -4,9 +4,9 @@ from filmed_flights import BARE, CAMERAS, SCALE, STROKE_PLANE, apart, drawn, tur
 
 from flycontrol.units import deg, um
 from flycontrol.vision.fit_shape import fit_shape
-from flycontrol.vision.silhouette_fit import agreement, fit_silhouettes, normal_equations, silhouette_cost
+from flycontrol.vision.silhouette_fit import agreement, best_wing, fit_silhouettes, normal_equations, silhouette_cost
 from flycontrol.vision.soft_silhouette import border_distance, signed_distance
-from flycontrol.vision.stance import coordinate_covariance, pose_of, stances_of, stepped
+from flycontrol.vision.stance import WING_TURN, coordinate_covariance, pose_of, stances_of, stepped
 from flycontrol.vision.views import views_of
 
 SHAPE = fit_shape(BARE)
@@ -40,6 +40,18 @@ def test_the_gradient_is_that_of_the_cost():
         ahead, behind = (silhouette_cost(border, SHAPE, stepped(stance, s * h * row * SCALES), 1.9) for s in (1, -1))
         # the slab's thickness is taken as constant, and pixels change their nearest part
         assert g[k] == pytest.approx((ahead - behind) / (4 * h), rel=0.1, abs=0.05 * np.max(np.abs(g)))
+
+
+@pytest.mark.parametrize("softness", [1.0, 2.0, 3.5])
+def test_of_stances_that_differ_in_a_wing_the_best_by_all_pixels_is_the_best_by_those_about_the_wing(softness):
+    rng = np.random.default_rng(4)
+    for border, stance in zip(borders(), STANCES, strict=True):
+        for side in (0, 1):
+            steps = np.zeros((9, 18))
+            steps[1:, WING_TURN[side]] = rng.normal(0, 10 * deg, (8, 3))
+            others = [stepped(stance, step) for step in steps]
+            costs = [silhouette_cost(border, SHAPE, other, softness) for other in others]
+            assert best_wing(border, SHAPE, others, side, softness=softness) == np.argmin(costs)
 
 
 def test_a_stance_is_found_again_from_a_few_degrees_away_legs_or_not():

@@ -93,32 +93,32 @@ def _edges_of(corners, edges):
 
 
 @numba.njit(cache=True)
-def _wing_distance(corners, edges, sweep, u, v, near):
-    """Signed distance to a polygon swept by +-sweep; near: edge, fraction along it, outward direction."""
-    count = corners.shape[0]
+def _wing_distance(wings, edges, sweep, side, u, v, near):
+    """Signed distance to one of two polygons swept by +-sweep; near: edge, fraction along it, outward direction."""
+    count = wings.shape[1]
     best, inside = 1e30, False
     edge, part = 0, 0.0
     for m in range(count):
-        av, along_u, along_v = corners[m, 1], edges[m, 0], edges[m, 1]
-        pu, pv = u - corners[m, 0], v - av
-        t = min(max((pu * along_u + pv * along_v) * edges[m, 2], 0.0), 1.0)
+        av, along_u, along_v = wings[side, m, 1], edges[side, m, 0], edges[side, m, 1]
+        pu, pv = u - wings[side, m, 0], v - av
+        t = min(max((pu * along_u + pv * along_v) * edges[side, m, 2], 0.0), 1.0)
         eu, ev = pu - t * along_u, pv - t * along_v
         d2 = eu * eu + ev * ev
         if d2 < best:
             best, edge, part = d2, m, t
         if (av > v) != (av + along_v > v) and pu < pv * along_u / along_v:
             inside = not inside
-    qu = corners[edge, 0] + part * edges[edge, 0]
-    qv = corners[edge, 1] + part * edges[edge, 1]
+    qu = wings[side, edge, 0] + part * edges[side, edge, 0]
+    qv = wings[side, edge, 1] + part * edges[side, edge, 1]
     distance = np.sqrt(best)
     sign = -1.0 if inside else 1.0
     if distance > 1e-6:
         gu, gv = sign * (u - qu) / distance, sign * (v - qv) / distance
     else:
-        length = np.sqrt(edges[edge, 2])
-        gu, gv = edges[edge, 1] * length, -edges[edge, 0] * length
-    near[0], near[1], near[2], near[3] = edge, part, gu, gv
-    return sign * distance - abs(sweep[0] * gu + sweep[1] * gv)
+        length = np.sqrt(edges[side, edge, 2])
+        gu, gv = edges[side, edge, 1] * length, -edges[side, edge, 0] * length
+    near[side, 0], near[side, 1], near[side, 2], near[side, 3] = edge, part, gu, gv
+    return sign * distance - abs(sweep[side, 0] * gu + sweep[side, 1] * gv)
 
 
 @numba.njit(cache=True)
@@ -198,12 +198,23 @@ def _looked_at(body, left, right, band, corner, extent, image, stride, look):
 
 
 @numba.njit(cache=True)
+def _within(window, corner, stride, look):
+    """What of the columns and rows to be looked at is in a window, with the same pixels left out by the stride."""
+    for axis in range(2):
+        first, last = look[2 * axis], look[2 * axis + 1]
+        skipped = max(np.floor((window[2 * axis] - corner[axis] - first) / stride), 0.0)
+        look[2 * axis] = first + int(min(skipped, max(last - first, 0.0))) * stride
+        look[2 * axis + 1] = int(min(max(np.floor(window[2 * axis + 1] - corner[axis]) + 1.0, first), last))
+
+
+@numba.njit(cache=True)
 def compare(
     cameras,
     targets,
     corner,
     extent,
     image,
+    windows,
     softness,
     stride,
     lenience,
@@ -227,6 +238,7 @@ def compare(
     corner : (C, 2) u, v of the crops' first pixel
     extent : (C, 2) columns and rows of each crop
     image : (C, 2) columns and rows of each image: around its crop there is no silhouette, around it nothing is known
+    windows : (C, 4) least and largest u, least and largest v of the pixels that count, as others do not; may be inf
     softness : s [px]
     stride : every how many pixels, along rows and along columns, are looked at; each stands for stride^2
     lenience : weight of pixels that the silhouette covers more than the fly does: legs, for one
@@ -260,6 +272,7 @@ def compare(
         left_box = _box(wings[0], np.full(outline.shape[0], abs(sweep[0, 0]) + abs(sweep[0, 1])))
         right_box = _box(wings[1], np.full(outline.shape[0], abs(sweep[1, 0]) + abs(sweep[1, 1])))
         _looked_at(body_box, left_box, right_box, band, corner[c], extent[c], image[c], stride, look)
+        _within(windows[c], corner[c], stride, look)
         for i in range(look[2], look[3], stride):
             v = corner[c, 1] + i
             framed = 0 <= i < extent[c, 1]
@@ -275,7 +288,7 @@ def compare(
                         break
                     away = _outside(left_box if side == 0 else right_box, u, v)
                     if away <= band and away < max(d, 1e-9):
-                        away = _wing_distance(wings[side], edges[side], sweep[side], u, v, near_wing[side])
+                        away = _wing_distance(wings, edges, sweep, side, u, v, near_wing)
                     if away < d:
                         d, part = away, side + 1
                 if d > band or d < -band:

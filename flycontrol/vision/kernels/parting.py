@@ -92,30 +92,22 @@ def claim_for_wing(indices, place, rows, starts, label, away, labels):
 
 
 @numba.njit(cache=True)
-def gather(indices, labels, label, count, size):
-    """(count, 3) centres of the voxels of one label [m]."""
-    points, n = np.empty((count, 3)), 0
-    for v in range(indices.shape[0]):
-        if labels[v] == label:
-            for a in range(3):
-                points[n, a] = (indices[v, a] + 0.5) * size
-            n += 1
-    return points
+def gather(indices, labels, label, count, size, base, along, least):
+    """(M, 3) centres, counted from a base (3,), of the voxels of one label that lie beyond `least` along a way [m].
 
-
-@numba.njit(cache=True)
-def sums(indices, labels, label, origin):
-    """Whole numbers (10,): how many voxels have a label, and sums of x, y, z, xx, xy, xz, yy, yz, zz of their indices.
-
-    Indices are counted from an origin (3,) near them, so that the sums stay small.
+    Parameters
+    ----------
+    indices, labels, label, count : (N, 3) int32, (N,) int8; which label, and how many voxels have it
+    size : edge of a voxel [m]
+    base, along, least : (3,) [m], (3,) unit vector, [m]; all voxels where this is -inf
     """
-    n = sx = sy = sz = sxx = sxy = sxz = syy = syz = szz = np.int64(0)
-    x0, y0, z0 = np.int64(origin[0]), np.int64(origin[1]), np.int64(origin[2])
+    points, n = np.empty((count, 3)), 0
+    (x0, y0, z0), (ax, ay, az) = base, along
     for v in range(indices.shape[0]):
         if labels[v] == label:
-            x, y, z = indices[v, 0] - x0, indices[v, 1] - y0, indices[v, 2] - z0
-            n += 1
-            sx, sy, sz = sx + x, sy + y, sz + z
-            sxx, sxy, sxz = sxx + x * x, sxy + x * y, sxz + x * z
-            syy, syz, szz = syy + y * y, syz + y * z, szz + z * z
-    return np.array([n, sx, sy, sz, sxx, sxy, sxz, syy, syz, szz])
+            x, y, z = (indices[v, 0] + 0.5) * size, (indices[v, 1] + 0.5) * size, (indices[v, 2] + 0.5) * size
+            x, y, z = x - x0, y - y0, z - z0
+            if x * ax + y * ay + z * az > least:
+                points[n, 0], points[n, 1], points[n, 2] = x, y, z
+                n += 1
+    return points[:n]

@@ -38,7 +38,7 @@ def claims(
         silhouette
     missed : (C,) written: pixels of the silhouette surely off the fly
     """
-    near, away = np.empty(4), np.empty(3)
+    near_body, near_wing, away = np.empty(4), np.empty((2, 4)), np.empty(3)
     discs = np.empty((spheres.shape[0], 3))
     wings, edges, sweep = np.empty((2, outline.shape[0], 2)), np.empty((2, outline.shape[0], 3)), np.empty((2, 2))
     boxes, look = np.empty((3, 4)), np.empty(4, np.int64)
@@ -63,9 +63,9 @@ def claims(
                     away[part] = _outside(boxes[part], u, v)
                     if away[part] <= slack:
                         if part == 0:
-                            away[0] = _disc_distance(discs, u, v, near)
+                            away[0] = _disc_distance(discs, u, v, near_body)
                         else:
-                            away[part] = _wing_distance(wings[part - 1], edges[part - 1], sweep[part - 1], u, v, near)
+                            away[part] = _wing_distance(wings, edges, sweep, part - 1, u, v, near_wing)
                     if away[part] <= 0.0:
                         claimed += 1
                 if D < 0.0 and min(away[0], away[1], away[2]) > slack:
