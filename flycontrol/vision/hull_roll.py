@@ -11,7 +11,7 @@ from flycontrol.vision.fly_shape import FlyShape
 FloatArray = NDArray[np.float64]
 
 #: Span lines miss the bases by so much, in wing lengths; roll changes by so much from frame to frame, lag included (C)
-_OFF_LINE, _ROLL_BETWEEN = 0.03, 2.5 * deg
+_OFF_LINE, _ROLL_BETWEEN = 0.03, 5 * deg
 _ANGLES = np.arange(-60, 61) * deg / 2
 _COS, _SIN = np.cos(_ANGLES), np.sin(_ANGLES)
 

@@ -22,7 +22,7 @@ FloatArray = NDArray[np.float64]
 #: Which of some stances fits best that differ in the left (0) or right (1) wing only.
 Choice = Callable[[Sequence[Stance], int], int]
 
-_ROUNDS = 4  #: of parting voxels and reading axes, which come to rest in two or three
+_ROUNDS = 3  #: of parting voxels and reading axes; the last gives about one voxel in a hundred to another part
 #: Of hull coordinates, by comparison with simulated flights (C): lengths in voxels, turns in radians.
 _SPREAD_MOVE, _SPREAD_TURN, _SPREAD_ROLL = 1.5, 3 * deg, 7 * deg
 _SPREAD_SPAN, _SPREAD_PITCH, _SPREAD_BASE = 7 * deg, 18 * deg, 4.0
