@@ -11,6 +11,7 @@ from flycontrol.units import mm, um
 from flycontrol.vision.dissection import BODY, LEFT, REST, RIGHT, dissect
 from flycontrol.vision.fit_shape import fit_shape
 from flycontrol.vision.hull import VisualHull
+from flycontrol.vision.kernels.section import section
 from flycontrol.vision.moments import moments_of_points
 from flycontrol.vision.stance import Stance
 
@@ -79,3 +80,24 @@ def test_the_long_axis_is_that_of_the_largest_spread():
     R = Rotation.random(rng=rng).as_matrix()
     points = rng.normal(size=(20000, 3)) * [3.0, 1.0, 1.0] @ R.T
     assert abs(moments_of_points(points).long_axis @ R[:, 0]) == pytest.approx(1, abs=1e-3)
+
+
+@settings(max_examples=5)
+@given(seeds)
+def test_the_outer_voxels_of_a_part_are_those_beyond_a_plane_across_its_span(seed):
+    stance, hull = anywhere(np.random.default_rng(seed))
+    parts = dissect(hull, stance, BARE)
+    for side, label in enumerate((LEFT, RIGHT)):
+        base, span = stance.base_W(side), stance.wing_axes_W(side)[:, 0].copy()
+        away = parts.part(label) - base
+        found = parts.beyond(label, base, span, 0.5 * mm)
+        np.testing.assert_allclose(found, away[away @ span > 0.5 * mm], rtol=0, atol=1e-15)
+
+
+def test_a_section_holds_the_points_near_its_plane_as_they_lie_in_it():
+    rng = np.random.default_rng(5)
+    points, middle = rng.normal(size=(500, 3)), rng.normal(size=3)
+    along, first, second = Rotation.random(rng=rng).as_matrix()
+    away = points - middle
+    plain = away[np.abs(away @ along) < 0.3] @ np.stack([first, second], axis=1)
+    np.testing.assert_allclose(section(points, middle, along, 0.3, first, second), plain, rtol=0, atol=1e-14)
