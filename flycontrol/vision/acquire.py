@@ -8,14 +8,15 @@ from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt
 
 from flycontrol.errors import InvalidInputError
 from flycontrol.model.pose import Pose
 from flycontrol.units import deg
 from flycontrol.vision.belief import Judged, judged
+from flycontrol.vision.body_in_hull import body_lines
 from flycontrol.vision.fit_shape import FitShape
 from flycontrol.vision.hull import VisualHull
+from flycontrol.vision.rival import with_rivals
 from flycontrol.vision.second_look import SecondLook
 from flycontrol.vision.silhouette_fit import Leash, fit_silhouettes, silhouette_cost
 from flycontrol.vision.soft_silhouette import BorderDistance
@@ -24,7 +25,6 @@ from flycontrol.vision.wing_grid import wing_grid
 
 FloatArray = NDArray[np.float64]
 
-_THICK = 0.6  #: of the greatest depth inside the hull: deeper voxels are the body's core
 _COARSE = 4.0  #: softness of the search [px]
 _KEPT = 12  #: of the guesses, fitted
 _APART = 25 * deg  #: guesses nearer than that in all turns are one
@@ -35,7 +35,7 @@ _FREE = Leash(body=180 * deg, wing=180 * deg)
 
 
 def acquire(hull: VisualHull, border: BorderDistance, shape: FitShape, stroke_plane_angle: float) -> Judged:
-    """The best of the fits that start from the most likely of a grid of poses about the thick core of a hull.
+    """The best of the fits that start from the most likely of a grid of poses about where a hull has room for a body.
 
     The world's z points up, and the fly's back does too, within some 60 deg of roll.
 
@@ -69,27 +69,17 @@ def acquire(hull: VisualHull, border: BorderDistance, shape: FitShape, stroke_pl
         if best.doubts[side + 1]:
             others = [judged(fit, border, shape, None) for fit in look.elsewhere(best.fit.stance, side)]
             best = min([best, *others], key=lambda each: each.rank)
-    return best
+    fit = with_rivals(best.fit, look, np.inf, expecting=False)
+    return best if fit is best.fit else judged(fit, border, shape, None)
 
 
 def _bodies(hull: VisualHull, shape: FitShape) -> Iterator[Stance]:
-    """Stances with the body along the core of the hull, either end ahead, rolled this way and that."""
-    core = _core(hull)
-    middle = core.mean(axis=0)
-    axis = np.linalg.eigh((core - middle).T @ (core - middle))[1][:, -1]
-    for sign, roll in product((1.0, -1.0), _ROLLS):
-        forward = sign * axis
+    """Stances with the body where the hull has room for it, rolled this way and that."""
+    for line, roll in product(body_lines(hull, shape), _ROLLS):
+        forward = line.forward
         pitch, yaw = np.arcsin(np.clip(forward[2], -1, 1)), np.arctan2(-forward[1], forward[0])
-        X = np.concatenate([middle, [yaw, pitch, roll], np.zeros(6), shape.bases_B.ravel()])
+        X = np.concatenate([line.middle, [yaw, pitch, roll], np.zeros(6), shape.bases_B.ravel()])
         yield stances_of(Pose(coordinates=X[None], stroke_plane_angle=0.0))[0]
-
-
-def _core(hull: VisualHull) -> FloatArray:
-    low = hull.indices.min(axis=0) - 1
-    grid = np.zeros(hull.indices.max(axis=0) - low + 2, dtype=np.bool_)
-    grid[tuple((hull.indices - low).T)] = True
-    depth = np.asarray(distance_transform_edt(grid))[tuple((hull.indices - low).T)]
-    return hull.centres[depth >= _THICK * np.percentile(depth, 99.5)]
 
 
 def _with_wings(bodies: Sequence[Stance], shape: FitShape, stroke_plane_angle: float) -> Iterator[Stance]:

@@ -21,7 +21,7 @@ from flycontrol.vision.fly_shape import FlyShape
 from flycontrol.vision.hull import VisualHull
 from flycontrol.vision.hull_stance import stance_of_hull
 from flycontrol.vision.prediction import drifted, expectations, unseen_wing
-from flycontrol.vision.rival import with_rivals
+from flycontrol.vision.rival import WORTH, with_rivals
 from flycontrol.vision.second_look import SecondLook, with_wing
 from flycontrol.vision.silhouette_fit import Agreement, SilhouetteFit, agreement, best_wing, silhouette_cost
 from flycontrol.vision.soft_silhouette import BorderDistance, border_distance
@@ -32,14 +32,15 @@ from flycontrol.vision.views import BoolArray, views_of
 FloatArray = NDArray[np.float64]
 
 _MEMORY = 40  #: frames whose costs tell what is usual: about a wingbeat at 8,000 frames a second
-_STRANGE, _WRONG = 1.5, 2.5  #: times the usual cost: look again; do not believe (C)
+#: Times the usual cost: wings may have settled turned about their spans; look again; do not believe (C)
+_NOTABLE, _STRANGE, _WRONG = 1.1, 1.5, 2.5
 _LEAST_PRECISION = 0.7  #: of the fly's pixels on each silhouette (C)
 _LEAST_OVERLAP = 0.7  #: mean over views: right fits of a fly of about that size stay above, turned ones do not (C)
 _ENOUGH = 3  #: views that tell one way in which a fly may be turned from all others
 _LONGEST_BRIDGE = 40  #: frames
 _BLIND = 2  #: frames after which the wings may be anywhere
 _TURNED = 2 * deg  #: of the body, in a frame without sight (C)
-_PATIENCE = 10  #: frames from one search for a lost fly to the next
+_PATIENCE = 10  #: frames without sight from one search everywhere to the next
 _BIAS = 0.2  #: of positions, by legs and the like [px] (C)
 
 
@@ -73,7 +74,7 @@ class Follower:
             border = border_distance(views_of(masks, self.cameras), MARGIN)
         except InvalidInputError as empty:
             return self._bridged(str(empty), None)
-        if not self.past and self.unseen > _LONGEST_BRIDGE and self.unseen % _PATIENCE == 0:
+        if self.unseen and self.unseen % _PATIENCE == 0:
             self._look_afresh(masks, border, shape)
         if not self.past:
             if self.start is None:
@@ -117,7 +118,7 @@ class Follower:
         for side in (0, 1):
             if best.doubts[side + 1]:
                 best = self._best([best.fit, *look.elsewhere(best.fit.stance, side)], border, shape)
-        fit = with_rivals(best.fit, look)
+        fit = with_rivals(best.fit, look, self._worth(best.fit), expecting=not self.blind)
         if fit.stance is best.fit.stance:
             return replace(best, fit=fit)
         return judged(fit, border, shape, self._usually_missed())
@@ -129,6 +130,11 @@ class Follower:
     def _strange(self, found: Judged) -> bool:
         cost = found.fit.agreement.cost
         return bool(found.doubts[0]) or cost >= _STRANGE * self._usual(np.inf if not self.costs else cost)
+
+    def _worth(self, fit: SilhouetteFit) -> float:
+        """How much rivals of a fit may cost at a glance."""
+        cost = fit.agreement.cost
+        return np.inf if self.blind or cost > _NOTABLE * self._usual(cost) else WORTH
 
     def _read(self, masks: Masks, border: BorderDistance, shape: FitShape) -> Judged | None:
         hull, look = fine_hull(masks, self.cameras, shape), self._look(border, shape, self._expected(shape))
@@ -194,7 +200,7 @@ class Follower:
         fit = found.fit
         for side in (0, 1):
             if found.doubts[side + 1]:
-                expected, bases = self._expected(shape), fit.stance.bases_B.copy()
+                expected, bases = self._expected(shape, unseen=True), fit.stance.bases_B.copy()
                 bases[side] = shape.bases_B[side]
                 fit = replace(
                     fit,
@@ -209,8 +215,8 @@ class Follower:
         covariance[MOVE, MOVE] += np.eye(3) * (_BIAS / scale) ** 2
         return covariance
 
-    def _expected(self, shape: FitShape) -> Stance:
-        return expectations(list(self.past)[-2:], shape.bases_B, rolling=self.refine)[0]
+    def _expected(self, shape: FitShape, *, unseen: bool = False) -> Stance:
+        return expectations(list(self.past)[-2:], shape.bases_B, rolling=self.refine, unseen=unseen)[0]
 
     def _bridged(self, reason: str, seen: Agreement | None) -> TrackedFrame:
         self.unseen += 1
@@ -222,7 +228,7 @@ class Follower:
             self.past.clear()
             self.start, nothing = None, np.full((18, 18), np.nan)
             return TrackedFrame(stance=None, covariance=nothing, status="lost", reason=reason, agreement=seen)
-        expected = self._expected(fit_shape(self.fly.shape))
+        expected = self._expected(fit_shape(self.fly.shape), unseen=self.unseen >= _BLIND)
         self.past.append(expected)
         self.covariance = drifted(self.covariance)
         return TrackedFrame(
@@ -230,10 +236,13 @@ class Follower:
         )
 
     def _look_afresh(self, masks: Masks, border: BorderDistance, shape: FitShape) -> None:
+        """Start anew from wherever the fly is, if it can be told."""
         hull = fine_hull(masks, self.cameras, shape)
         found = acquire(hull, border, shape, self.fly.stroke_plane_angle) if len(hull) else None
-        fits = found is not None and not any(found.doubts) and found.rank[1] < _STRANGE * self._usual(np.inf)
-        self.start = found.fit if found is not None and fits else None
+        if found is None or any(found.doubts) or found.rank[1] > _STRANGE * self._usual(np.inf):
+            return
+        self.start = found.fit
+        self.past.clear()
 
 
 def _likeliest(stances: list[Stance], border: BorderDistance, shape: FitShape) -> Stance:

@@ -6,36 +6,61 @@ from dataclasses import replace
 
 import numpy as np
 from scipy.spatial.transform import Rotation
+from scipy.special import expit
 
 from flycontrol.units import deg
 from flycontrol.vision.second_look import SecondLook, with_wing
 from flycontrol.vision.silhouette_fit import SilhouetteFit, fit_silhouettes
-from flycontrol.vision.stance import WING_TURN, step_between
+from flycontrol.vision.stance import WING_TURN, Stance, step_between
 
 _TWISTS = np.array([-120, -80, -40, 40, 80, 120]) * deg
 _APART = 25 * deg  #: nearer to each other two fits are one
 #: Share of its cost by which a right fit may be worse than a wrong one, by legs and by a shape not quite the fly's (C)
 _UNDECIDED = 0.05
-_WORTH = 1.4  #: times the cost of a fit: twists that cost more at a glance are not fitted (C)
+_SURPRISE = 30 * deg  #: of a wing's turn from where it is expected: lower costs do not speak for every leap (C)
+#: Times the cost of a fit: twists that cost more at a glance are not fitted. Those of 95 in 100 right fits cost more
+#: than 1.6 times as much, those of wings settled 20 to 60 deg off, where they cost little more, 1.3 to 1.9 times (C)
+WORTH = 1.8
 
 
-def with_rivals(fit: SilhouetteFit, look: SecondLook) -> SilhouetteFit:
-    """C + p d d^T for each wing, p = w / (1 + w), w = exp(-(J' - J) / (0.05 J)): the mixture of a fit and its rival.
+def with_rivals(fit: SilhouetteFit, look: SecondLook, worth: float = WORTH, *, expecting: bool = True) -> SilhouetteFit:
+    """C + p d d^T for each wing, p = w / (1 + w), log w = -(J' - J) / (0.05 J) - (e'^2 - e^2) / (2 (30 deg)^2).
 
-    J is a fit's cost, J' that of the best fit with the wing turned about its span, d the turn between the two. Where
-    the rival costs less, it takes the fit's place.
+    The mixture of a fit and its rival, the best fit with the wing turned about its span: d is the turn between the two,
+    J and J' are their costs, e and e' the wing's turns from where it is expected. Where the rival is the likelier one
+    it takes the fit's place.
+
+    Parameters
+    ----------
+    fit : that may be another's rival
+    look : at the frame
+    worth : twists that cost so many times as much, at a glance, are not fitted; inf where the fit is in question
+    expecting : whether wings are expected anywhere; otherwise e = e' = 0
     """
     for side in (0, 1):
-        rival = _rival(fit, look, side, look.cost(fit.stance) * _WORTH)
-        if rival is None or not _is_another(fit, rival, side):
+        rival = _rival(fit, look, side, look.cost(fit.stance) * worth)
+        if rival is None:
             continue
-        fit, other = sorted((fit, rival), key=lambda each: each.agreement.cost)
+        odds = _log_odds(fit, rival, look.expected if expecting else None, side)
+        if not _is_another(fit, rival, side):
+            fit = rival if odds > 0 else fit
+            continue
+        fit, other = (rival, fit) if odds > 0 else (fit, rival)
         d = step_between(fit.stance, other.stance)[WING_TURN[side]]
-        w = np.exp(-(other.agreement.cost / fit.agreement.cost - 1) / _UNDECIDED)
         covariance = fit.covariance.copy()
-        covariance[WING_TURN[side], WING_TURN[side]] += w / (1 + w) * np.outer(d, d)
+        covariance[WING_TURN[side], WING_TURN[side]] += expit(-abs(odds)) * np.outer(d, d)
         fit = replace(fit, covariance=covariance)
     return fit
+
+
+def _log_odds(fit: SilhouetteFit, rival: SilhouetteFit, expected: Stance | None, side: int) -> float:
+    """log w"""
+    J, J_rival = fit.agreement.cost, rival.agreement.cost
+    odds = (J - J_rival) / (_UNDECIDED * min(J, J_rival))
+    if expected is not None:
+        e, e_rival = (step_between(expected, each.stance)[WING_TURN[side]] for each in (fit, rival))
+        odds += (e @ e - e_rival @ e_rival) / (2 * _SURPRISE**2)
+    return float(odds)
 
 
 def _is_another(fit: SilhouetteFit, rival: SilhouetteFit, side: int) -> bool:
