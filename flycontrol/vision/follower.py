@@ -118,7 +118,9 @@ class Follower:
         for side in (0, 1):
             if best.doubts[side + 1]:
                 best = self._best([best.fit, *look.elsewhere(best.fit.stance, side)], border, shape)
-        fit = with_rivals(best.fit, look, self._worth(best.fit), expecting=not self.blind)
+        moving = not self.blind and len(self.past) == self.past.maxlen  # and it is known how
+        worth = WORTH if moving and not self._notable(best.fit) else np.inf
+        fit = with_rivals(best.fit, look, worth, expecting=moving)
         if fit.stance is best.fit.stance:
             return replace(best, fit=fit)
         return judged(fit, border, shape, self._usually_missed())
@@ -131,10 +133,8 @@ class Follower:
         cost = found.fit.agreement.cost
         return bool(found.doubts[0]) or cost >= _STRANGE * self._usual(np.inf if not self.costs else cost)
 
-    def _worth(self, fit: SilhouetteFit) -> float:
-        """How much rivals of a fit may cost at a glance."""
-        cost = fit.agreement.cost
-        return np.inf if self.blind or cost > _NOTABLE * self._usual(cost) else WORTH
+    def _notable(self, fit: SilhouetteFit) -> bool:
+        return fit.agreement.cost > _NOTABLE * self._usual(fit.agreement.cost)
 
     def _read(self, masks: Masks, border: BorderDistance, shape: FitShape) -> Judged | None:
         hull, look = fine_hull(masks, self.cameras, shape), self._look(border, shape, self._expected(shape))
