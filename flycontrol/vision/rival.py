@@ -24,11 +24,11 @@ WORTH = 1.8
 
 
 def with_rivals(fit: SilhouetteFit, look: SecondLook, worth: float = WORTH, *, expecting: bool = True) -> SilhouetteFit:
-    """C + p d d^T for each wing, p = w / (1 + w), log w = -(J' - J) / (0.05 J) - (e'^2 - e^2) / (2 (30 deg)^2).
+    """C + p d d^T for each wing, p = w / (1 + w), w = exp((J - J') / (0.05 J)) (1 + e^2 / s^2) / (1 + e'^2 / s^2).
 
     The mixture of a fit and its rival, the best fit with the wing turned about its span: d is the turn between the two,
-    J and J' are their costs, e and e' the wing's turns from where it is expected. Where the rival is the likelier one
-    it takes the fit's place.
+    J and J' are their costs, e and e' the wing's turns from where it is expected, s = 30 deg. Where the rival is the
+    likelier one it takes the fit's place.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def _log_odds(fit: SilhouetteFit, rival: SilhouetteFit, expected: Stance | None,
     odds = (J - J_rival) / (_UNDECIDED * min(J, J_rival))
     if expected is not None:
         e, e_rival = (step_between(expected, each.stance)[WING_TURN[side]] for each in (fit, rival))
-        odds += (e @ e - e_rival @ e_rival) / (2 * _SURPRISE**2)
+        odds += np.log1p(e @ e / _SURPRISE**2) - np.log1p(e_rival @ e_rival / _SURPRISE**2)
     return float(odds)
 
 

@@ -3,7 +3,10 @@
 import numpy as np
 
 from flycontrol.model.camera_forms import orthogonal_cameras
+from flycontrol.model.flapping_pose import flapping_pose
 from flycontrol.model.planform import Planform
+from flycontrol.model.stroke_kinematics import hover_stroke
+from flycontrol.model.wing_stroke import Modulation
 from flycontrol.units import deg, mm
 from flycontrol.vision.example_flight import turning_pose
 from flycontrol.vision.fly_shape import fly_shape
@@ -19,6 +22,26 @@ STROKE_PLANE = 50 * deg
 def turning_flight(wingbeats):
     """Pose at 8,000 frames a second: 100 deg to the right, banked by up to 25 deg, with wings that beat unequally."""
     return turning_pose(BARE, STROKE_PLANE, wingbeats)
+
+
+def any_flight(rng, frames):
+    """Pose at 8,000 frames a second: any heading, pitch, bank and phase, turning, each wing with a beat of its own."""
+
+    def beat():
+        return Modulation(
+            stroke_offset=8 * deg * rng.normal(), pitch_offset=8 * deg * rng.normal(),
+            deviation_offset=5 * deg * rng.normal(), stroke_gain=0.08 * rng.normal(),
+        )  # fmt: skip
+
+    frequency, since = rng.uniform(180, 240), np.arange(frames) / RATE
+    stroke = hover_stroke(frequency).modulated(beat(), beat())
+    start = np.array([rng.uniform(-180, 180), rng.uniform(15, 65), 20 * rng.normal()]) * deg
+    rates = rng.normal(size=3) * [1500, 500, 1000] * deg
+    position = 0.3 * mm * rng.normal(size=3) + np.outer(since, 0.3 * rng.normal(size=3))
+    return flapping_pose(
+        stroke, since + rng.uniform(0, 1 / frequency), right_base_B=BARE.right_base_B,
+        stroke_plane_angle=STROKE_PLANE, position_W=position, attitude=start + np.outer(since, rates),
+    )  # fmt: skip
 
 
 def drawn(pose, shape=WITH_LEGS, cameras=CAMERAS):

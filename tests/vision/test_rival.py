@@ -59,9 +59,20 @@ def test_two_fits_of_equal_cost_leave_a_wing_as_uncertain_as_the_turn_between_th
     other = with_wing(fit.stance, 0, turn @ fit.stance.wings_B[0])
     twin = replace(fit, stance=other)
     monkeypatch.setattr(rival, "_rival", lambda fit, look, side, worth: twin if side == 0 else None)
-    found = rival.with_rivals(fit, look)
+    found = rival.with_rivals(fit, look, expecting=False)
     grown = found.covariance - fit.covariance
     span = fit.stance.wings_B[0][:, 0]
     np.testing.assert_allclose(span @ grown[WING_TURN[0], WING_TURN[0]] @ span, (60 * deg) ** 2 / 2, rtol=1e-9)
     assert np.all(grown[TURN, TURN] == 0)
     assert np.all(grown[WING_TURN[1], WING_TURN[1]] == 0)
+
+
+def test_of_two_fits_of_equal_cost_the_one_nearer_to_where_the_wing_is_expected_is_taken(looks, monkeypatch):
+    look, stance = looks[1], STANCES[1]
+    fit = look.near(stance)
+    turn = Rotation.from_rotvec(90 * deg * fit.stance.wings_B[0][:, 0]).as_matrix()
+    other = replace(fit, stance=with_wing(fit.stance, 0, turn @ fit.stance.wings_B[0]))
+    monkeypatch.setattr(rival, "_rival", lambda shown, look, side, worth: None if side else other)
+    assert rival.with_rivals(fit, look).stance is fit.stance
+    monkeypatch.setattr(rival, "_rival", lambda shown, look, side, worth: None if side else fit)
+    assert rival.with_rivals(other, look).stance is fit.stance

@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from filmed_flights import BARE, CAMERAS, SCALE, STROKE_PLANE, WITH_LEGS, apart, drawn, turning_flight
+from filmed_flights import BARE, CAMERAS, SCALE, STROKE_PLANE, WITH_LEGS, any_flight, apart, drawn, turning_flight
 
 from flycontrol.errors import InvalidInputError
 from flycontrol.model.pose import Pose
@@ -240,3 +240,17 @@ def test_a_fly_a_third_larger_than_the_one_given_is_found_and_sized():
     assert found.sizes.body_length == pytest.approx(1.3, rel=0.03)
     assert found.sizes.wing_length == pytest.approx(1.33, rel=0.03)
     assert found.fly.shape.right_base_B == pytest.approx(larger.right_base_B, rel=0.06)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_flights_of_any_attitude_are_followed_and_wings_that_are_believed_are_seldom_wrong(seed):
+    """Yaw and pitch never 2 deg off; of the wings that are believed fewer than one in fifty 20 deg off."""
+    pose = any_flight(np.random.default_rng(seed), 60)
+    found = track(drawn(pose), CAMERAS, FLY)
+    away, believed = np.abs(apart(found.pose, pose)), found.believed
+    assert np.mean(believed) > 0.8
+    assert np.max(away[believed, 3:5]) < 2 * deg
+    wings = np.stack([away[:, 6:9], away[:, 9:12]], axis=1)[believed]
+    told = np.array([[not doubt for doubt in doubts[1:]] for doubts in found.doubts])[believed]
+    assert np.mean(np.max(wings, axis=2)[told] > 20 * deg) < 0.02
