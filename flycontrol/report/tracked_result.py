@@ -54,7 +54,7 @@ FIELDS: dict[str, str] = {
     "calibration.pairs[].cameras[]": "two of them",
     "calibration.pairs[].shift_px": "median of |shift|: how far planes that touch the silhouettes miss each other",
     "calibration.pairs[].growth_px": "median growth of the second silhouette: thresholds that differ, parts unseen",
-    "calibration.doubt": "a sentence where the residual is large; null: none",
+    "calibration.doubt": "a sentence where the residual is large or frames are few; null: none",
     "fly.file": "that the sizes were taken from",
     "fly.wing_length_mm": "base to tip, as tracked",
     "fly.body_length_mm": "as tracked",

@@ -36,7 +36,7 @@ class TrackedFlight:
     frames: range | None = None  #: numbers of the frames in the films; None: all from 0 on
     sizes: Sizes | None = None  #: fitted factors on the sizes of the fly that was given
     world: str = "as calibrated"  #: how this world lies in that of the calibration
-    doubt: str = ""  #: what the check of the calibration warns of
+    doubt: str = ""  #: what the check of films and cameras warns of
 
     @property
     def numbers(self) -> NDArray[np.int64]:

@@ -143,6 +143,8 @@ def test_films_of_another_scale_other_cameras_or_without_a_fly_are_refused():
     checked = checked_footage(filmed(), CAMERAS, wing)
     assert checked.calibration.residual < 0.5
     assert not checked.doubt
+    slow = checked_footage(replace(filmed(), frame_rate=2000.0), CAMERAS, wing)
+    assert slow.doubt.startswith("2000 frames a second show too little of a wingbeat")
     far = tuple(replace(camera, matrix=camera.matrix * [1e-3, 1e-3, 1e-3, 1]) for camera in CAMERAS)
     with pytest.raises(InvalidInputError, match=r"would be 5\.\d+ m across"):
         checked_footage(filmed(), far, wing)
