@@ -24,7 +24,7 @@ from flycontrol.jobs.files import write_files_atomically
 from flycontrol.model.camera import Camera
 from flycontrol.model.pose import COORDINATES, Pose, pose_of_axes
 from flycontrol.units import deg, mm
-from flycontrol.vision.calibration_check import CalibrationCheck, check_calibration
+from flycontrol.vision.checks.calibration_check import CalibrationCheck, check_calibration
 from flycontrol.vision.fit_shape import fit_shape
 from flycontrol.vision.fly_shape import fly_shape
 from flycontrol.vision.fly_size import SizedFly, sized_fly

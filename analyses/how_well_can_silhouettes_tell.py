@@ -28,7 +28,7 @@ from flycontrol.vision.first_pose import MARGIN, fine_hull
 from flycontrol.vision.fit_shape import fit_shape
 from flycontrol.vision.fly_shape import FlyShape, fly_shape
 from flycontrol.vision.follower import Fly, Follower
-from flycontrol.vision.hull_stance import stance_of_hull
+from flycontrol.vision.reading.hull_stance import stance_of_hull
 from flycontrol.vision.render import IDEAL, Imaging, Silhouettes, degraded, render_silhouettes
 from flycontrol.vision.silhouette_fit import Agreement, SilhouetteFit, best_wing
 from flycontrol.vision.silhouettes import cleaned

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from flycontrol.model.provenance import SourcedMorphology
     from flycontrol.model.world_axes import Axis
     from flycontrol.report.tracked_result import TrackOrigin
+    from flycontrol.vision.checks.footage_check import FootageCheck
     from flycontrol.vision.flight_of_film import FilmedFlight
-    from flycontrol.vision.footage_check import FootageCheck
     from flycontrol.vision.silhouettes import Segmentation
     from flycontrol.vision.tracked_film import Asked
 
@@ -88,7 +88,7 @@ class TrackInputs:
 def track_inputs(films: FilmOptions, which: FlyOptions) -> TrackInputs:
     """Read and check everything; InvalidInputError for what cannot be meant, before any frame is tracked."""
     from flycontrol.io.morphology_files import read_morphology
-    from flycontrol.vision.footage_check import checked_footage
+    from flycontrol.vision.checks.footage_check import checked_footage
 
     fly = read_morphology(which.file)
     asked = _asked(fly, which, simulated=not films.inputs)
@@ -190,7 +190,7 @@ def _filmed(films: FilmOptions, wing_length: float) -> tuple[FilmedFlight, tuple
     from flycontrol.io.movies.open_films import open_films
     from flycontrol.model.film_part import FilmPart
     from flycontrol.model.world_axes import upright, upright_words
-    from flycontrol.vision.field_of_view import require_field_of_a_fly
+    from flycontrol.vision.checks.field_of_view import require_field_of_a_fly
     from flycontrol.vision.flight_of_film import FilmedFlight
     from flycontrol.vision.footage import Footage
 

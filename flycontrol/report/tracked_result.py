@@ -19,7 +19,7 @@ from flycontrol.model.pose import COORDINATES, Pose
 from flycontrol.report.result import finite
 from flycontrol.report.track_beats import stroke_reversals
 from flycontrol.units import deg, mm, um
-from flycontrol.vision.calibration_check import CalibrationCheck
+from flycontrol.vision.checks.calibration_check import CalibrationCheck
 from flycontrol.vision.tracked_flight import TrackedFlight
 from flycontrol.vision.tracked_frame import STATUSES, Track
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from flycontrol.errors import InvalidInputError
 from flycontrol.model.film import Film, ImageArray
-from flycontrol.vision.footage_check import spread_frames
+from flycontrol.vision.checks.footage_check import spread_frames
 from flycontrol.vision.silhouettes import USUAL, Segmentation, background_of, silhouette_of
 
 FloatArray = NDArray[np.float64]

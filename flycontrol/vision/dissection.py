@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from flycontrol.vision.fly_shape import FlyShape
 from flycontrol.vision.hull import VisualHull
 from flycontrol.vision.kernels.parting import claim_for_body, claim_for_wing, gather
-from flycontrol.vision.moments import Moments, moments_of_voxels
+from flycontrol.vision.reading.moments import Moments, moments_of_voxels
 from flycontrol.vision.stance import Stance
 
 FloatArray = NDArray[np.float64]

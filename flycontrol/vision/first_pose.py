@@ -9,9 +9,9 @@ import numpy as np
 
 from flycontrol.errors import InvalidInputError
 from flycontrol.model.camera import Camera
-from flycontrol.vision.acquire import acquire
 from flycontrol.vision.fit_shape import FitShape
 from flycontrol.vision.hull import Tolerance, VisualHull, visual_hull
+from flycontrol.vision.search.acquire import acquire
 from flycontrol.vision.silhouette_fit import SilhouetteFit
 from flycontrol.vision.soft_silhouette import border_distance
 from flycontrol.vision.views import BoolArray, views_of

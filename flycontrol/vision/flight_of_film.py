@@ -10,8 +10,8 @@ from flycontrol.jobs.checkpoint import Checkpoint
 from flycontrol.jobs.progress import Progress, no_progress
 from flycontrol.model.camera import Camera
 from flycontrol.model.pose import Pose
+from flycontrol.vision.checks.footage_check import FootageCheck
 from flycontrol.vision.footage import Footage
-from flycontrol.vision.footage_check import FootageCheck
 from flycontrol.vision.smoothing import smoothed
 from flycontrol.vision.tracked_film import Asked, tracked_film
 from flycontrol.vision.tracked_flight import TrackedFlight

@@ -13,16 +13,16 @@ from numpy.typing import NDArray
 from flycontrol.errors import InvalidInputError
 from flycontrol.model.camera import Camera
 from flycontrol.units import deg
-from flycontrol.vision.acquire import acquire
-from flycontrol.vision.belief import NO_DOUBTS, Judged, judged
 from flycontrol.vision.first_pose import MARGIN, Masks, fine_hull
 from flycontrol.vision.fit_shape import FitShape, fit_shape
 from flycontrol.vision.fly_shape import FlyShape
 from flycontrol.vision.hull import VisualHull
-from flycontrol.vision.hull_stance import stance_of_hull
-from flycontrol.vision.prediction import drifted, expectations, unseen_wing
-from flycontrol.vision.rival import WORTH, with_rivals
-from flycontrol.vision.second_look import SecondLook, with_wing
+from flycontrol.vision.reading.hull_stance import stance_of_hull
+from flycontrol.vision.search.acquire import acquire
+from flycontrol.vision.search.belief import NO_DOUBTS, Judged, judged
+from flycontrol.vision.search.prediction import drifted, expectations, unseen_wing
+from flycontrol.vision.search.rival import WORTH, with_rivals
+from flycontrol.vision.search.second_look import SecondLook, with_wing
 from flycontrol.vision.silhouette_fit import Agreement, SilhouetteFit, agreement, best_wing, silhouette_cost
 from flycontrol.vision.soft_silhouette import BorderDistance, border_distance
 from flycontrol.vision.stance import MOVE, Stance

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, label
 
 from flycontrol.model.camera import Camera
-from flycontrol.vision.calibration_check import check_calibration
+from flycontrol.vision.checks.calibration_check import check_calibration
 from flycontrol.vision.fit_shape import FitShape
 from flycontrol.vision.footage import FilmedFrame
 from flycontrol.vision.stance import Stance

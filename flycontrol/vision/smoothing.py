@@ -11,13 +11,13 @@ from flycontrol.errors import InvalidParameterError
 from flycontrol.model.pose import ANGLES, ATTITUDE, BASE, COORDINATES, POSITION, Pose
 from flycontrol.model.stroke import Side
 from flycontrol.units import deg
-from flycontrol.vision.attitude_motion import attitude_motion
-from flycontrol.vision.sight import Sight, sight_of
-from flycontrol.vision.smooth_curve import SmoothCurve, smooth_curve, smooth_curves
-from flycontrol.vision.smooth_turn import SmoothTurn, smooth_turn, turn_spread
+from flycontrol.vision.smooth.attitude_motion import attitude_motion
+from flycontrol.vision.smooth.sight import Sight, sight_of
+from flycontrol.vision.smooth.smooth_curve import SmoothCurve, smooth_curve, smooth_curves
+from flycontrol.vision.smooth.smooth_turn import SmoothTurn, smooth_turn, turn_spread
+from flycontrol.vision.smooth.wing_in_body import by_body_turns, variance_from_body, wing_in_body
 from flycontrol.vision.smoothed_pose import SmoothedPose
 from flycontrol.vision.tracked_frame import Track
-from flycontrol.vision.wing_in_body import by_body_turns, variance_from_body, wing_in_body
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

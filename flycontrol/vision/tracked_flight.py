@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from flycontrol.model.camera import Camera
 from flycontrol.model.pose import Pose
-from flycontrol.vision.calibration_check import CalibrationCheck
+from flycontrol.vision.checks.calibration_check import CalibrationCheck
 from flycontrol.vision.follower import Fly
 from flycontrol.vision.size_fit import Sizes
 from flycontrol.vision.smoothed_pose import SmoothedPose

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flycontrol.model.pose import Pose
-from flycontrol.vision.belief import NO_DOUBTS, Doubts
+from flycontrol.vision.search.belief import NO_DOUBTS, Doubts
 from flycontrol.vision.silhouette_fit import Agreement
 from flycontrol.vision.stance import Stance, coordinate_covariance, pose_of
 

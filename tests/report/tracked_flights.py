@@ -11,7 +11,7 @@ from flycontrol.model.planform import Planform
 from flycontrol.model.pose import Pose
 from flycontrol.model.stroke_kinematics import hover_stroke
 from flycontrol.units import deg, mm
-from flycontrol.vision.calibration_check import check_calibration
+from flycontrol.vision.checks.calibration_check import check_calibration
 from flycontrol.vision.fly_shape import fly_shape
 from flycontrol.vision.follower import Fly
 from flycontrol.vision.footage import Footage

@@ -7,11 +7,11 @@ from filmed_flights import BARE, CAMERAS, WITH_LEGS, drawn, turning_flight
 from scipy.spatial.transform import Rotation
 
 from flycontrol.units import deg
-from flycontrol.vision.belief import NO_DOUBTS, SLACK, doubts
 from flycontrol.vision.fit_shape import fit_shape
-from flycontrol.vision.part_claims import part_claims
 from flycontrol.vision.render import render_silhouettes
-from flycontrol.vision.second_look import with_wing
+from flycontrol.vision.search.belief import NO_DOUBTS, SLACK, doubts
+from flycontrol.vision.search.part_claims import part_claims
+from flycontrol.vision.search.second_look import with_wing
 from flycontrol.vision.soft_silhouette import border_distance
 from flycontrol.vision.stance import stances_of
 from flycontrol.vision.views import views_of

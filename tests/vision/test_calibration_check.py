@@ -6,7 +6,7 @@ from flycontrol.errors import InvalidInputError
 from flycontrol.model.camera import Camera
 from flycontrol.model.camera_forms import camera_from_dlt, orthogonal_cameras
 from flycontrol.units import mm
-from flycontrol.vision.calibration_check import check_calibration
+from flycontrol.vision.checks.calibration_check import check_calibration
 from flycontrol.vision.silhouettes import cleaned
 
 

@@ -7,8 +7,8 @@ from filmed_flights import BARE, drawn, turning_flight
 from flycontrol.errors import InvalidInputError
 from flycontrol.model.camera_forms import looking_at
 from flycontrol.units import mm
-from flycontrol.vision.camera_fit import compared_frames, fit_of_cameras
-from flycontrol.vision.camera_order import fitting_order
+from flycontrol.vision.checks.camera_fit import compared_frames, fit_of_cameras
+from flycontrol.vision.checks.camera_order import fitting_order
 from flycontrol.vision.sighting import Sighting
 from flycontrol.vision.silhouettes import cleaned
 

@@ -10,13 +10,13 @@ from flycontrol.units import deg
 from flycontrol.vision.dissection import BODY, LEFT, REST, RIGHT, dissect
 from flycontrol.vision.first_pose import fine_hull
 from flycontrol.vision.fit_shape import fit_shape
-from flycontrol.vision.hull_stance import stance_of_hull
+from flycontrol.vision.reading.hull_stance import stance_of_hull
+from flycontrol.vision.reading.wing_chord import diagonal
 from flycontrol.vision.render import render_silhouettes
 from flycontrol.vision.silhouette_fit import best_wing
 from flycontrol.vision.soft_silhouette import border_distance
 from flycontrol.vision.stance import TURN, pose_of, stances_of, step_between
 from flycontrol.vision.views import views_of
-from flycontrol.vision.wing_chord import diagonal
 
 POSE = turning_flight(1)[2::6]
 STANCES = stances_of(POSE)

@@ -6,7 +6,7 @@ import pytest
 from flycontrol.errors import InvalidInputError
 from flycontrol.model.camera_forms import looking_at, orthogonal_cameras
 from flycontrol.units import mm
-from flycontrol.vision.field_of_view import field_of_view, require_field_of_a_fly
+from flycontrol.vision.checks.field_of_view import field_of_view, require_field_of_a_fly
 
 WING = 2.4 * mm
 CAMERAS = tuple(

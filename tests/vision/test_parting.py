@@ -12,7 +12,7 @@ from flycontrol.vision.dissection import BODY, LEFT, REST, RIGHT, dissect
 from flycontrol.vision.fit_shape import fit_shape
 from flycontrol.vision.hull import VisualHull
 from flycontrol.vision.kernels.section import section
-from flycontrol.vision.moments import moments_of_points
+from flycontrol.vision.reading.moments import moments_of_points
 from flycontrol.vision.stance import Stance
 
 seeds = st.integers(0, 2**32 - 1)

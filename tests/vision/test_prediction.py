@@ -3,7 +3,7 @@ from filmed_flights import BARE, turning_flight
 
 from flycontrol.units import deg
 from flycontrol.vision.fit_shape import fit_shape
-from flycontrol.vision.prediction import drifted, expectations
+from flycontrol.vision.search.prediction import drifted, expectations
 from flycontrol.vision.stance import STEPS, TURN, WING_TURN, stances_of, step_between
 
 BASES = fit_shape(BARE).bases_B

@@ -6,9 +6,9 @@ from filmed_flights import BARE, CAMERAS, STROKE_PLANE, drawn, turning_flight
 from scipy.spatial.transform import Rotation
 
 from flycontrol.units import deg
-from flycontrol.vision import rival
 from flycontrol.vision.fit_shape import fit_shape
-from flycontrol.vision.second_look import SecondLook, with_wing
+from flycontrol.vision.search import rival
+from flycontrol.vision.search.second_look import SecondLook, with_wing
 from flycontrol.vision.soft_silhouette import border_distance
 from flycontrol.vision.stance import TURN, WING_TURN, stances_of
 from flycontrol.vision.views import views_of

@@ -10,7 +10,7 @@ from flycontrol.errors import InvalidParameterError
 from flycontrol.model.pose import mirrored, pose_of_axes
 from flycontrol.units import deg, mm
 from flycontrol.vision.follower import Fly
-from flycontrol.vision.smooth_curve import smooth_curve
+from flycontrol.vision.smooth.smooth_curve import smooth_curve
 from flycontrol.vision.smoothed_pose import SmoothedPose
 from flycontrol.vision.smoothing import smoothed
 from flycontrol.vision.track import track as track_silhouettes

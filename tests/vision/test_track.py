@@ -7,12 +7,12 @@ from filmed_flights import BARE, CAMERAS, SCALE, STROKE_PLANE, WITH_LEGS, any_fl
 from flycontrol.errors import InvalidInputError
 from flycontrol.model.pose import Pose
 from flycontrol.units import deg
-from flycontrol.vision.belief import Judged
 from flycontrol.vision.first_pose import first_pose
 from flycontrol.vision.fit_shape import fit_shape
 from flycontrol.vision.fly_size import sized_fly
 from flycontrol.vision.follower import Fly, Follower
 from flycontrol.vision.render import render_silhouettes
+from flycontrol.vision.search.belief import Judged
 from flycontrol.vision.sighting import sighting_of
 from flycontrol.vision.silhouette_fit import Agreement, SilhouetteFit
 from flycontrol.vision.size_fit import Sizes, fitted_sizes, resized

@@ -11,11 +11,11 @@ from flycontrol.model.camera_forms import orthogonal_cameras
 from flycontrol.model.film_part import FilmPart
 from flycontrol.units import deg, mm
 from flycontrol.vision import tracked_film as module
+from flycontrol.vision.checks.footage_check import checked_footage
 from flycontrol.vision.drawn_film import DrawnFilm
 from flycontrol.vision.fit_shape import fit_shape
 from flycontrol.vision.follower import Fly, Follower
 from flycontrol.vision.footage import Footage
-from flycontrol.vision.footage_check import checked_footage
 from flycontrol.vision.kept_state import kept, memory_of, remind, restored
 from flycontrol.vision.sighting import of_the_expected, sighting_of
 from flycontrol.vision.stance import stances_of

@@ -12,16 +12,16 @@ from numpy.typing import NDArray
 from flycontrol.errors import InvalidInputError
 from flycontrol.model.pose import Pose
 from flycontrol.units import deg
-from flycontrol.vision.belief import Judged, judged
-from flycontrol.vision.body_in_hull import body_lines
 from flycontrol.vision.fit_shape import FitShape
 from flycontrol.vision.hull import VisualHull
-from flycontrol.vision.rival import with_rivals
-from flycontrol.vision.second_look import SecondLook
+from flycontrol.vision.search.belief import Judged, judged
+from flycontrol.vision.search.body_in_hull import body_lines
+from flycontrol.vision.search.rival import with_rivals
+from flycontrol.vision.search.second_look import SecondLook
+from flycontrol.vision.search.wing_grid import wing_grid
 from flycontrol.vision.silhouette_fit import Leash, fit_silhouettes, silhouette_cost
 from flycontrol.vision.soft_silhouette import BorderDistance
 from flycontrol.vision.stance import Stance, stances_of, step_between
-from flycontrol.vision.wing_grid import wing_grid
 
 FloatArray = NDArray[np.float64]
 

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from flycontrol.model.morphology import pitch_rotation
 from flycontrol.units import deg
-from flycontrol.vision.axes import across, cross
 from flycontrol.vision.dissection import BODY, LEFT, RIGHT, Dissection, dissect
 from flycontrol.vision.fly_shape import FlyShape
 from flycontrol.vision.hull import VisualHull
-from flycontrol.vision.hull_roll import roll_by_spans
-from flycontrol.vision.hull_wing import HullWing, wings_of_voxels
+from flycontrol.vision.reading.axes import across, cross
+from flycontrol.vision.reading.hull_roll import roll_by_spans
+from flycontrol.vision.reading.hull_wing import HullWing, wings_of_voxels
 from flycontrol.vision.stance import BASE_MOVE, MOVE, STEPS, TURN, WING_TURN, Stance
 
 FloatArray = NDArray[np.float64]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 from scipy.optimize import minimize
 
-from flycontrol.vision.noisy_spline import ORDER, NoisySpline, Posterior, Roughness
+from flycontrol.vision.smooth.noisy_spline import ORDER, NoisySpline, Posterior, Roughness
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

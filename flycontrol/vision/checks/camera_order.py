@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import combinations, permutations
 
 from flycontrol.model.camera import Camera
-from flycontrol.vision.calibration_check import check_calibration
+from flycontrol.vision.checks.calibration_check import check_calibration
 from flycontrol.vision.views import BoolArray
 
 _ALL = 4  #: cameras up to which all orders are tried, 24; of more cameras two are exchanged

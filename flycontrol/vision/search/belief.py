@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flycontrol.vision.fit_shape import FitShape
-from flycontrol.vision.part_claims import PartClaims, part_claims
+from flycontrol.vision.search.part_claims import PartClaims, part_claims
 from flycontrol.vision.silhouette_fit import SilhouetteFit
 from flycontrol.vision.soft_silhouette import BorderDistance
 from flycontrol.vision.stance import Stance

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from scipy.special import expit
 
 from flycontrol.units import deg
-from flycontrol.vision.second_look import SecondLook, with_wing
+from flycontrol.vision.search.second_look import SecondLook, with_wing
 from flycontrol.vision.silhouette_fit import SilhouetteFit, fit_silhouettes
 from flycontrol.vision.stance import WING_TURN, Stance, step_between
 

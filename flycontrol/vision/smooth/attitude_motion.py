@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from flycontrol.model.pose import attitude_angles
-from flycontrol.vision.smooth_turn import SmoothTurn
+from flycontrol.vision.smooth.smooth_turn import SmoothTurn
 
 FloatArray = NDArray[np.float64]
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from flycontrol.errors import InvalidInputError
 from flycontrol.model.camera import Camera
-from flycontrol.vision.calibration_check import CalibrationCheck, PairResidual, check_calibration
-from flycontrol.vision.camera_order import fitting_order
+from flycontrol.vision.checks.calibration_check import CalibrationCheck, PairResidual, check_calibration
+from flycontrol.vision.checks.camera_order import fitting_order
 from flycontrol.vision.sighting import Sighting, one_animal
 from flycontrol.vision.views import BoolArray
 

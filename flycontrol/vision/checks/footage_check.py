@@ -13,9 +13,9 @@ from flycontrol.errors import InvalidInputError
 from flycontrol.model.camera import Camera
 from flycontrol.model.camera_forms import nearest_point
 from flycontrol.units import mm
-from flycontrol.vision.calibration_check import CalibrationCheck
-from flycontrol.vision.camera_fit import Frames, compared_frames, extent, fit_of_cameras
-from flycontrol.vision.field_of_view import metres
+from flycontrol.vision.checks.calibration_check import CalibrationCheck
+from flycontrol.vision.checks.camera_fit import Frames, compared_frames, extent, fit_of_cameras
+from flycontrol.vision.checks.field_of_view import metres
 from flycontrol.vision.footage import FilmedFrame, Footage
 from flycontrol.vision.sighting import Sighting, sighting_of
 from flycontrol.vision.views import require_fitting

@@ -8,12 +8,12 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from flycontrol.vision.axes import across, cross
 from flycontrol.vision.dissection import RIGHT, Dissection
 from flycontrol.vision.fly_shape import FlyShape
 from flycontrol.vision.kernels.section import section
-from flycontrol.vision.moments import moments_of_points
-from flycontrol.vision.wing_chord import diagonals
+from flycontrol.vision.reading.axes import across, cross
+from flycontrol.vision.reading.moments import moments_of_points
+from flycontrol.vision.reading.wing_chord import diagonals
 
 FloatArray = NDArray[np.float64]
 

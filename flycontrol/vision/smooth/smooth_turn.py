@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from flycontrol.vision.smooth_curve import BoolArray, SmoothCurve, followed_curve, smooth_curve
+from flycontrol.vision.smooth.smooth_curve import BoolArray, SmoothCurve, followed_curve, smooth_curve
 
 FloatArray = NDArray[np.float64]
 

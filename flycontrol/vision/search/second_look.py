@@ -10,10 +10,10 @@ from scipy.spatial.transform import Rotation
 
 from flycontrol.units import deg
 from flycontrol.vision.fit_shape import FitShape
+from flycontrol.vision.search.wing_grid import wing_grid
 from flycontrol.vision.silhouette_fit import Leash, SilhouetteFit, fit_silhouettes, silhouette_cost
 from flycontrol.vision.soft_silhouette import BorderDistance
 from flycontrol.vision.stance import WING_TURN, Stance, step_between
-from flycontrol.vision.wing_grid import wing_grid
 
 _TWIST = 55 * deg  #: by which a wing is turned about its span
 _COARSE, _BLURRED = 4.0, 2.0  #: softness of the search, and of choices between what a hull allows [px]

@@ -1,0 +1,1 @@
+"""Whether films, cameras and fly belong together."""

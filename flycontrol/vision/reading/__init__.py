@@ -1,0 +1,1 @@
+"""What a visual hull says of body and wings by itself."""

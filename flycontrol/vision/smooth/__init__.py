@@ -1,0 +1,1 @@
+"""Splines through uncertain curves and turns."""
