@@ -50,16 +50,16 @@ def report_of(found: FitStudy | ApartStudy, command: str) -> Report:
     from flycontrol.identify.gains.study import FitStudy
 
     if isinstance(found, FitStudy):
-        from flycontrol.report.fit_page import fit_provenance, write_fit_report
-        from flycontrol.report.fit_result import fit_result_json
+        from flycontrol.report.fit.page import fit_provenance, write_fit_report
+        from flycontrol.report.fit.result import fit_result_json
 
         return Report(
             found.result.status, _summary(found.result), "",
             lambda fly, folder, progress: write_fit_report(found, fly, folder, command=command, progress=progress),
             lambda: fit_result_json(found, fit_provenance(found, command)),
         )  # fmt: skip
-    from flycontrol.report.apart_page import apart_provenance, write_apart_report
-    from flycontrol.report.apart_result import apart_result_json
+    from flycontrol.report.apart.page import apart_provenance, write_apart_report
+    from flycontrol.report.apart.result import apart_result_json
 
     return Report(
         found.status, "", f", result.json, estimates.csv, table.md and a report of each {found.by}",

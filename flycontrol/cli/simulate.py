@@ -110,7 +110,7 @@ def _flown(
                 recorder.add(piece)
                 progress(piece.wingbeats, asked.wingbeats, "wingbeats")
         record = recorder.finish()
-        from flycontrol.report.simulation_page import write_flight_report
+        from flycontrol.report.simulation.page import write_flight_report
 
         beside: dict[str, str | bytes | Path] = {
             name: path,

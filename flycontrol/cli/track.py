@@ -145,7 +145,7 @@ def track(
             command = typed_track_command(inputs or (), asked)
             flight = _tracked(given, folder, form_of_file, command, kept, progress)
         kept.remove()
-    from flycontrol.report.tracked_result import status_sentence
+    from flycontrol.report.track.result import status_sentence
 
     ending = f"wrote {folder / 'index.html'} and what lies beside it in {time.perf_counter() - started:.1f} s"
     say(f"{status_sentence(flight.track)} {ending}")
@@ -159,8 +159,8 @@ def _tracked(
     """Track, then give all files their names together."""
     from flycontrol.io.tracked_mapping import RECORDING_NAMES
     from flycontrol.jobs.files import discard_torn, temporary_file
-    from flycontrol.report.track_page import WORDS, write_track_report
-    from flycontrol.report.tracked_files import files_beside_the_page
+    from flycontrol.report.track.files import files_beside_the_page
+    from flycontrol.report.track.page import WORDS, write_track_report
     from flycontrol.vision.flight_of_film import flight_of_film
 
     flight = flight_of_film(given.filmed, given.asked, given.check, kept, progress)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from flycontrol.model.film import Film
     from flycontrol.model.provenance import SourcedMorphology
     from flycontrol.model.world_axes import Axis
-    from flycontrol.report.tracked_result import TrackOrigin
+    from flycontrol.report.track.result import TrackOrigin
     from flycontrol.vision.checks.footage_check import FootageCheck
     from flycontrol.vision.flight_of_film import FilmedFlight
     from flycontrol.vision.silhouettes import Segmentation
@@ -70,7 +70,7 @@ class TrackInputs:
 
     def origin(self, command: str) -> TrackOrigin:
         """For result.json."""
-        from flycontrol.report.tracked_result import TrackOrigin
+        from flycontrol.report.track.result import TrackOrigin
 
         file = self.cameras_file
         return TrackOrigin(

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from flycontrol.identify.gains.study import FitStudy
-from flycontrol.report.fit_tables import consequence_rows
-from flycontrol.report.fit_words import differing_flies, in_symbols
+from flycontrol.report.fit.tables import consequence_rows
+from flycontrol.report.fit.words import differing_flies, in_symbols
 from flycontrol.report.numbers import sentence
 
 #: Quantities of the verdict's table, in the order of the intervals in `consequence_rows`.

@@ -12,8 +12,8 @@ from flycontrol.identify.gains.model import gain_model
 from flycontrol.identify.gains.study import FitOptions
 from flycontrol.identify.gains.synthetic import synthetic_experiment
 from flycontrol.io.parameters import read_parameters
-from flycontrol.report.apart_page import apart_page, apart_provenance, write_apart_report
-from flycontrol.report.apart_result import apart_estimates_csv, apart_result_json, apart_table
+from flycontrol.report.apart.page import apart_page, apart_provenance, write_apart_report
+from flycontrol.report.apart.result import apart_estimates_csv, apart_result_json, apart_table
 
 
 @pytest.fixture(scope="module")

@@ -13,10 +13,10 @@ from flycontrol.identify.gains.model import gain_model
 from flycontrol.identify.gains.ridge import ridge
 from flycontrol.identify.gains.study import FitOptions, fit_study
 from flycontrol.identify.gains.synthetic import synthetic_experiment
-from flycontrol.report.fit_figures import fit_figures
-from flycontrol.report.fit_page import FIGURES, fit_page, fit_provenance, fitted_fly
-from flycontrol.report.fit_result import COLUMNS, FIELDS, estimates_csv, fit_result_json
-from flycontrol.report.fit_words import digits_for, paper_table
+from flycontrol.report.fit.figures import fit_figures
+from flycontrol.report.fit.page import FIGURES, fit_page, fit_provenance, fitted_fly
+from flycontrol.report.fit.result import COLUMNS, FIELDS, estimates_csv, fit_result_json
+from flycontrol.report.fit.words import digits_for, paper_table
 from flycontrol.report.fitted import fitted_from
 from flycontrol.report.page import page
 from flycontrol.report.provenance import provenance

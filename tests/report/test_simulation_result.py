@@ -8,9 +8,9 @@ from flycontrol.flight.experiments import planned_flight
 from flycontrol.flight.flight_record import FlightRecorder
 from flycontrol.flight.heading import nose_heading
 from flycontrol.io.flight_experiments import read_flight_experiment
-from flycontrol.report.simulation_figures import simulation_figures
-from flycontrol.report.simulation_result import FIELDS, flight_provenance, simulation_result_json
-from flycontrol.report.simulation_words import lead
+from flycontrol.report.simulation.figures import simulation_figures
+from flycontrol.report.simulation.result import FIELDS, flight_provenance, simulation_result_json
+from flycontrol.report.simulation.words import lead
 from flycontrol.units import deg
 
 

@@ -19,18 +19,18 @@ from flycontrol.report.figures.track_hull import hull_from_two_sides
 from flycontrol.report.figures.track_overlay import frame_overlay
 from flycontrol.report.figures.track_quality import agreement_over_time, uncertainty_over_time
 from flycontrol.report.figures.track_rates import body_rates
-from flycontrol.report.track_animation import HEAVIEST, gif
-from flycontrol.report.track_beats import piece_shown_closely, stroke_reversals
-from flycontrol.report.track_chosen import best_frame, chosen_frames, worst_frame
-from flycontrol.report.track_curves import curves, true_rates
-from flycontrol.report.track_figures import fastest_within
-from flycontrol.report.track_page import write_track_report
-from flycontrol.report.track_second_look import second_look
-from flycontrol.report.track_spans import spans, tally
-from flycontrol.report.track_truth import coordinate_errors
-from flycontrol.report.track_views import Window, part_masks, seen_in
-from flycontrol.report.track_words import median_overlap, status_rows
-from flycontrol.report.tracked_result import TrackOrigin
+from flycontrol.report.track.animation import HEAVIEST, gif
+from flycontrol.report.track.beats import piece_shown_closely, stroke_reversals
+from flycontrol.report.track.chosen import best_frame, chosen_frames, worst_frame
+from flycontrol.report.track.curves import curves, true_rates
+from flycontrol.report.track.figures import fastest_within
+from flycontrol.report.track.page import write_track_report
+from flycontrol.report.track.result import TrackOrigin
+from flycontrol.report.track.second_look import second_look
+from flycontrol.report.track.spans import spans, tally
+from flycontrol.report.track.truth import coordinate_errors
+from flycontrol.report.track.views import Window, part_masks, seen_in
+from flycontrol.report.track.words import median_overlap, status_rows
 from flycontrol.units import deg, ms
 from flycontrol.vision.render import render_silhouettes
 

@@ -13,7 +13,7 @@ from flycontrol.identify.gains.alone import LoneFit
 from flycontrol.identify.gains.random_effects import RandomEffects
 from flycontrol.identify.gains.result import Estimate
 from flycontrol.report.figures.fit_profiles import axis_label
-from flycontrol.report.fit_words import KINDS
+from flycontrol.report.fit.words import KINDS
 from flycontrol.report.style import BAND, EXACT, INK, MARK, in_house_style, new_figure
 
 MOST = 40  #: fits drawn

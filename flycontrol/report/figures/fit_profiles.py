@@ -11,7 +11,7 @@ from scipy.interpolate import PchipInterpolator
 
 from flycontrol.identify.gains.profile import Profile
 from flycontrol.identify.gains.result import Estimate
-from flycontrol.report.fit_words import KINDS
+from flycontrol.report.fit.words import KINDS
 from flycontrol.report.style import BAND, EXACT, EXACT_LINE, GUIDE_LINE, PADE_LINE, in_house_style, new_figure
 
 _COLUMNS = 3

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from flycontrol.identify.gains.ridge import Ridge
 from flycontrol.report.figures.fit_profiles import axis_label
-from flycontrol.report.fit_words import KINDS
+from flycontrol.report.fit.words import KINDS
 from flycontrol.report.style import INK, MARK, in_house_style, new_figure
 
 _LEVELS = (0.0, 1.0, 2.0, 4.0, 8.0, 16.0)  #: of the deviance, in units of the threshold

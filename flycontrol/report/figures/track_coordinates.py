@@ -24,8 +24,8 @@ from flycontrol.report.figures.track_panels import (
     shade_keys,
 )
 from flycontrol.report.style import EXACT, in_house_style, new_figure
-from flycontrol.report.track_curves import SIGMAS, Curves
-from flycontrol.report.track_spans import Span
+from flycontrol.report.track.curves import SIGMAS, Curves
+from flycontrol.report.track.spans import Span
 
 #: Columns of a pose, panel by panel from the left, row by row, and what stands beside them.
 BODY = (

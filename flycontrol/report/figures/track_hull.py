@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import Normal, withStroke
 
 from flycontrol.report.style import INK, in_house_style, new_figure
-from flycontrol.report.track_hulls import FILLS, HullPicture, SeenHull
+from flycontrol.report.track.hulls import FILLS, HullPicture, SeenHull
 from flycontrol.vision.dissection import BODY, LEFT, REST, RIGHT
 
 _NAMES = {BODY: "body", LEFT: "left wing", RIGHT: "right wing", REST: "none of them: legs, ghosts"}

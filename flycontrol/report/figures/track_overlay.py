@@ -15,7 +15,7 @@ from scipy.ndimage import gaussian_filter
 
 from flycontrol.report.figures.track_panels import PART_LINES
 from flycontrol.report.style import INK, MARK, QUIET, WIDTH, in_house_style, new_figure
-from flycontrol.report.track_overlays import FrameOverlay, ViewOverlay
+from flycontrol.report.track.overlays import FrameOverlay, ViewOverlay
 
 BoolArray = NDArray[np.bool_]
 

@@ -12,7 +12,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from flycontrol.report.style import EXACT, FORBIDDEN, INK, MARK, PADE, PULSE
-from flycontrol.report.track_spans import Span
+from flycontrol.report.track.spans import Span
 
 FloatArray = NDArray[np.float64]
 

@@ -24,8 +24,8 @@ from flycontrol.report.figures.track_panels import (
     shade_keys,
 )
 from flycontrol.report.style import EXACT, in_house_style, new_figure, plain_log_ticks
-from flycontrol.report.track_spans import Span
-from flycontrol.report.track_survey import Survey
+from flycontrol.report.track.spans import Span
+from flycontrol.report.track.survey import Survey
 from flycontrol.units import deg, ms, um
 from flycontrol.vision.tracked_flight import TrackedFlight
 from flycontrol.vision.tracked_frame import STATUSES

@@ -23,8 +23,8 @@ from flycontrol.report.figures.track_panels import (
     shade_keys,
 )
 from flycontrol.report.style import GUIDE_LINE, in_house_style, new_figure
-from flycontrol.report.track_curves import SIGMAS, true_rates
-from flycontrol.report.track_spans import Span
+from flycontrol.report.track.curves import SIGMAS, true_rates
+from flycontrol.report.track.spans import Span
 from flycontrol.units import ms
 from flycontrol.vision.tracked_flight import TrackedFlight
 

@@ -16,13 +16,13 @@ from flycontrol.report.figures.track_rates import body_rates
 from flycontrol.report.numbers import fixed, milliseconds, sentence
 from flycontrol.report.page_figures import PageFigure
 from flycontrol.report.style import svg
-from flycontrol.report.track_beats import CLOSELY, StrokeReversals, piece_shown_closely
-from flycontrol.report.track_chosen import ChosenFrame
-from flycontrol.report.track_curves import Curves, curves
-from flycontrol.report.track_hulls import SeenHull
-from flycontrol.report.track_overlays import FrameOverlay
-from flycontrol.report.track_spans import Span, spans
-from flycontrol.report.track_survey import Survey
+from flycontrol.report.track.beats import CLOSELY, StrokeReversals, piece_shown_closely
+from flycontrol.report.track.chosen import ChosenFrame
+from flycontrol.report.track.curves import Curves, curves
+from flycontrol.report.track.hulls import SeenHull
+from flycontrol.report.track.overlays import FrameOverlay
+from flycontrol.report.track.spans import Span, spans
+from flycontrol.report.track.survey import Survey
 from flycontrol.units import deg, um
 from flycontrol.vision.dissection import BODY as BODY_VOXELS
 from flycontrol.vision.dissection import LEFT, REST, RIGHT

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from flycontrol.errors import InvalidInputError
 from flycontrol.model.camera import Camera
 from flycontrol.model.pose import Pose
-from flycontrol.report.track_views import Window, backdrop, part_masks, seen_in, windows
+from flycontrol.report.track.views import Window, backdrop, part_masks, seen_in, windows
 from flycontrol.units import mm
 from flycontrol.vision.first_pose import fine_hull
 from flycontrol.vision.fit_shape import fit_shape

@@ -18,10 +18,10 @@ from flycontrol.jobs.progress import Progress, no_progress
 from flycontrol.model.parameters import Parameters, Sourced
 from flycontrol.model.study import study as stability_study
 from flycontrol.model.trial import Pulse
-from flycontrol.report import fit_tables
-from flycontrol.report.fit_figures import fit_figures
-from flycontrol.report.fit_result import FitProvenance, estimates_csv, fit_result_json
-from flycontrol.report.fit_words import KINDS, differing_flies, digits_for, estimate_rows, in_symbols, paper_table
+from flycontrol.report.fit import tables as fit_tables
+from flycontrol.report.fit.figures import fit_figures
+from flycontrol.report.fit.result import FitProvenance, estimates_csv, fit_result_json
+from flycontrol.report.fit.words import KINDS, differing_flies, digits_for, estimate_rows, in_symbols, paper_table
 from flycontrol.report.fitted import fitted_from
 from flycontrol.report.nominal import dampings, pulse_task, yaw_loop
 from flycontrol.report.numbers import counted, fixed, sentence

@@ -14,8 +14,8 @@ from PIL import Image, ImageDraw, ImageFont
 from scipy.ndimage import binary_dilation, binary_erosion, uniform_filter1d
 
 from flycontrol.report.style import INK, MARK, QUIET
-from flycontrol.report.track_overlays import pose_at
-from flycontrol.report.track_views import Window, backdrop, extent_of_fly, largest_side, part_masks, square_about
+from flycontrol.report.track.overlays import pose_at
+from flycontrol.report.track.views import Window, backdrop, extent_of_fly, largest_side, part_masks, square_about
 from flycontrol.units import ms
 from flycontrol.vision.footage import FilmedFrame
 from flycontrol.vision.tracked_flight import TrackedFlight

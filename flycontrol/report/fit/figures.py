@@ -21,7 +21,7 @@ from flycontrol.report.figures.fit_recordings import fitted_recordings
 from flycontrol.report.figures.fit_residuals import residuals
 from flycontrol.report.figures.fit_ridge import deviance_ridge
 from flycontrol.report.figures.fit_strength import recovery_points
-from flycontrol.report.fit_words import digits_for, ridge_words
+from flycontrol.report.fit.words import digits_for, ridge_words
 from flycontrol.report.numbers import fixed
 from flycontrol.report.page_figures import PageFigure
 from flycontrol.report.style import svg

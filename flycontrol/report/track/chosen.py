@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flycontrol.report.track_beats import StrokeReversals
-from flycontrol.report.track_spans import unseen
+from flycontrol.report.track.beats import StrokeReversals
+from flycontrol.report.track.spans import unseen
 from flycontrol.vision.tracked_flight import TrackedFlight
 
 FloatArray = NDArray[np.float64]

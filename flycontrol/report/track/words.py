@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from flycontrol.model.camera import Camera
 from flycontrol.model.camera_forms import pinhole_of
 from flycontrol.report.numbers import counted, fixed, milliseconds, sentence
-from flycontrol.report.track_beats import StrokeReversals
-from flycontrol.report.track_spans import Span, spans, tally
-from flycontrol.report.track_truth import CoordinateError, coordinate_errors
+from flycontrol.report.track.beats import StrokeReversals
+from flycontrol.report.track.spans import Span, spans, tally
+from flycontrol.report.track.truth import CoordinateError, coordinate_errors
 from flycontrol.units import deg, mm
 from flycontrol.vision.tracked_flight import TrackedFlight
 from flycontrol.vision.tracked_frame import STATUSES

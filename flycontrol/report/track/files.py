@@ -10,9 +10,9 @@ from flycontrol.errors import InvalidInputError
 from flycontrol.io.anipose import anipose_text, without_skew
 from flycontrol.io.tracked_mapping import RECORDING_NAMES, tracked_mapping
 from flycontrol.io.trajectory_files import TrajectoryFormat
-from flycontrol.report.track_page import ANIMATION, WORDS
-from flycontrol.report.tracked_recording import write_tracked_recording
-from flycontrol.report.tracked_result import TrackOrigin, tracked_result_json, wingbeat_frequency
+from flycontrol.report.track.page import ANIMATION, WORDS
+from flycontrol.report.track.recording import write_tracked_recording
+from flycontrol.report.track.result import TrackOrigin, tracked_result_json, wingbeat_frequency
 from flycontrol.vision.tracked_flight import TrackedFlight
 
 _ABOUT = 2e-3  #: around the flight, where the cameras of `cameras.toml` are to agree with those of the calibration [m]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from flycontrol.identify.gains.random_effects import RandomEffects
 from flycontrol.identify.gains.study import FitStudy, Group
-from flycontrol.report.fit_words import KINDS, digits_for
+from flycontrol.report.fit.words import KINDS, digits_for
 from flycontrol.report.numbers import fixed, significant
 from flycontrol.units import deg, ms
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from PIL import Image
 
 from flycontrol.jobs.progress import Progress, no_progress
-from flycontrol.report.track_animation import picture_of, stage_of
-from flycontrol.report.track_beats import StrokeReversals
-from flycontrol.report.track_chosen import ChosenFrame, best_frame, chosen_frames, worst_frame
-from flycontrol.report.track_hulls import SeenHull, seen_hull
-from flycontrol.report.track_overlays import FrameOverlay, frame_overlay_of, pose_at
-from flycontrol.report.track_survey import Survey, consistency_of, survey_of, surveyed_frames
+from flycontrol.report.track.animation import picture_of, stage_of
+from flycontrol.report.track.beats import StrokeReversals
+from flycontrol.report.track.chosen import ChosenFrame, best_frame, chosen_frames, worst_frame
+from flycontrol.report.track.hulls import SeenHull, seen_hull
+from flycontrol.report.track.overlays import FrameOverlay, frame_overlay_of, pose_at
+from flycontrol.report.track.survey import Survey, consistency_of, survey_of, surveyed_frames
 from flycontrol.vision.footage import FilmedFrame, Footage
 from flycontrol.vision.hull import ViewConsistency
 from flycontrol.vision.stance import stances_of

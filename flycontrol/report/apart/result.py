@@ -7,12 +7,12 @@ from dataclasses import asdict
 from typing import Any
 
 from flycontrol.identify.gains.apart import ApartStudy
-from flycontrol.report.apart_tables import estimate_rows as rows_of_members
-from flycontrol.report.apart_tables import heads, kinds_of
-from flycontrol.report.fit_result import FitProvenance, estimates_csv, fit_result
-from flycontrol.report.fit_surroundings import group_fields
-from flycontrol.report.fit_tables import effect_rows
-from flycontrol.report.fit_words import plain
+from flycontrol.report.apart.tables import estimate_rows as rows_of_members
+from flycontrol.report.apart.tables import heads, kinds_of
+from flycontrol.report.fit.result import FitProvenance, estimates_csv, fit_result
+from flycontrol.report.fit.surroundings import group_fields
+from flycontrol.report.fit.tables import effect_rows
+from flycontrol.report.fit.words import plain
 from flycontrol.report.result import finite
 
 #: What each field holds; those of one member are documented in its own `fields`.

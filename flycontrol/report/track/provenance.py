@@ -6,7 +6,7 @@ import platform
 from dataclasses import dataclass
 from importlib.metadata import version
 
-from flycontrol.report.tracked_result import TrackOrigin
+from flycontrol.report.track.result import TrackOrigin
 
 _MADE_WITH = ("flycontrol", "numpy", "scipy", "statsmodels", "numba", "matplotlib", "h5py", "pillow")
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flycontrol.model.pose import Pose
-from flycontrol.report.track_curves import ANGLES, SIGMAS, UNITS, coordinates_seen
+from flycontrol.report.track.curves import ANGLES, SIGMAS, UNITS, coordinates_seen
 from flycontrol.vision.tracked_flight import TrackedFlight
 
 FloatArray = NDArray[np.float64]

@@ -12,8 +12,8 @@ from typing import Any
 from flycontrol.identify.gains.recording_fits import ChannelFit, RecordingFit
 from flycontrol.identify.gains.result import Estimate
 from flycontrol.identify.gains.study import FitStudy
-from flycontrol.report.fit_surroundings import surroundings
-from flycontrol.report.fit_words import owner
+from flycontrol.report.fit.surroundings import surroundings
+from flycontrol.report.fit.words import owner
 from flycontrol.report.result import FIELDS as STABILITY_FIELDS
 from flycontrol.report.result import finite
 from flycontrol.units import deg

@@ -9,17 +9,17 @@ import numpy as np
 
 from flycontrol.jobs.files import write_files_atomically
 from flycontrol.jobs.progress import Progress, no_progress
-from flycontrol.report import track_words as words
 from flycontrol.report.numbers import ABSENT, fixed
 from flycontrol.report.page import template_environment, the_css
-from flycontrol.report.track_animation import FRAME_TIME, gif
-from flycontrol.report.track_beats import stroke_reversals
-from flycontrol.report.track_figures import track_figures
-from flycontrol.report.track_provenance import TrackProvenance, track_provenance
-from flycontrol.report.track_second_look import SecondLook, second_look
-from flycontrol.report.track_truth import coordinate_errors
-from flycontrol.report.track_words import Row
-from flycontrol.report.tracked_result import TrackOrigin
+from flycontrol.report.track import words
+from flycontrol.report.track.animation import FRAME_TIME, gif
+from flycontrol.report.track.beats import stroke_reversals
+from flycontrol.report.track.figures import track_figures
+from flycontrol.report.track.provenance import TrackProvenance, track_provenance
+from flycontrol.report.track.result import TrackOrigin
+from flycontrol.report.track.second_look import SecondLook, second_look
+from flycontrol.report.track.truth import coordinate_errors
+from flycontrol.report.track.words import Row
 from flycontrol.vision.footage import Footage
 from flycontrol.vision.tracked_flight import TrackedFlight
 

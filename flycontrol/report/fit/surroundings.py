@@ -15,7 +15,7 @@ from flycontrol.identify.gains.ridge import Ridge
 from flycontrol.identify.gains.selection import ControllerComparison
 from flycontrol.identify.gains.study import FitStudy, Group
 from flycontrol.model.stability import StabilityResult
-from flycontrol.report.fit_tables import group_sentences
+from flycontrol.report.fit.tables import group_sentences
 from flycontrol.report.result import margin_fields, mode_fields
 from flycontrol.units import deg, ms
 

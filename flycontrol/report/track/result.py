@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from flycontrol.model.camera import Camera
 from flycontrol.model.pose import COORDINATES, Pose
 from flycontrol.report.result import finite
-from flycontrol.report.track_beats import stroke_reversals
+from flycontrol.report.track.beats import stroke_reversals
 from flycontrol.units import deg, mm, um
 from flycontrol.vision.checks.calibration_check import CalibrationCheck
 from flycontrol.vision.tracked_flight import TrackedFlight

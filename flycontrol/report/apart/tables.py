@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from flycontrol.identify.gains.apart import ApartStudy, Member
-from flycontrol.report.fit_tables import Row
-from flycontrol.report.fit_words import KINDS, OF_THE_LOOP, digits_for
+from flycontrol.report.fit.tables import Row
+from flycontrol.report.fit.words import KINDS, OF_THE_LOOP, digits_for
 from flycontrol.report.numbers import ABSENT, fixed
 from flycontrol.units import deg, ms
 

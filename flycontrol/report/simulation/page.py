@@ -9,12 +9,12 @@ from flycontrol.flight.experiment_ensemble import FlownEnsemble
 from flycontrol.flight.flight_record import FlightRecord
 from flycontrol.jobs.files import write_files_atomically
 from flycontrol.jobs.progress import Progress, no_progress
-from flycontrol.report import simulation_words as words
 from flycontrol.report.animation import FRAME_TIME, gif
 from flycontrol.report.numbers import sentence
 from flycontrol.report.page import template_environment, the_css
-from flycontrol.report.simulation_figures import FIGURES, simulation_figures
-from flycontrol.report.simulation_result import (
+from flycontrol.report.simulation import words
+from flycontrol.report.simulation.figures import FIGURES, simulation_figures
+from flycontrol.report.simulation.result import (
     FlightProvenance,
     ensemble_csv,
     flight_provenance,

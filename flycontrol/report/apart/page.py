@@ -8,12 +8,12 @@ from flycontrol.identify.gains.apart import ApartStudy
 from flycontrol.jobs.files import write_files_atomically
 from flycontrol.jobs.progress import Progress, no_progress
 from flycontrol.model.parameters import Parameters
-from flycontrol.report import apart_tables
-from flycontrol.report.apart_figures import apart_figures
-from flycontrol.report.apart_result import apart_estimates_csv, apart_result_json, apart_table
-from flycontrol.report.fit_page import fit_files, fit_provenance
-from flycontrol.report.fit_result import FitProvenance
-from flycontrol.report.fit_tables import effect_rows, group_sentences
+from flycontrol.report.apart import tables as apart_tables
+from flycontrol.report.apart.figures import apart_figures
+from flycontrol.report.apart.result import apart_estimates_csv, apart_result_json, apart_table
+from flycontrol.report.fit.page import fit_files, fit_provenance
+from flycontrol.report.fit.result import FitProvenance
+from flycontrol.report.fit.tables import effect_rows, group_sentences
 from flycontrol.report.page import template_environment, the_css
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flycontrol.report.track_overlays import hull_of
+from flycontrol.report.track.overlays import hull_of
 from flycontrol.vision.footage import FilmedFrame
 from flycontrol.vision.hull import ViewConsistency
 from flycontrol.vision.tracked_flight import TrackedFlight

@@ -1,0 +1,1 @@
+"""The page on flies that were fitted apart."""
