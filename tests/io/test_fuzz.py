@@ -1,4 +1,5 @@
 import secrets
+import time
 
 import pytest
 from fuzz import BINARY_LIMITS, CORPUS, case, outcome, outcome_of_case, readers
@@ -52,8 +53,10 @@ def test_the_sound_files_that_are_damaged_are_read(name, tmp_path):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_case_is_the_same_bytes_from_its_seed(name):
-    assert case(readers()[name], 7) == case(readers()[name], 7)
+def test_a_case_is_the_same_bytes_from_its_seed(name, monkeypatch):
+    once = case(readers()[name], 7)
+    monkeypatch.setattr(time, "asctime", lambda: "Wed Dec 31 23:59:59 1997")  # what is written at another hour
+    assert case(readers()[name], 7) == once
     assert len({case(readers()[name], seed) for seed in range(20)}) > 10
 
 
