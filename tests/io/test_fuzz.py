@@ -1,10 +1,13 @@
-import secrets
 import time
+from functools import cache
+from hashlib import blake2b
+from pathlib import Path
 
 import pytest
 from fuzz import BINARY_LIMITS, CORPUS, case, outcome, outcome_of_case, readers
 from strange_files import sound
 
+import flycontrol.io
 from flycontrol.io.binary.reader import BinaryReader, shared_reader
 
 FRESH = {"text": 230, "binary": 50}  # of each reader: 2,000 and a few in all
@@ -16,6 +19,13 @@ NAMES = tuple(readers())
 def binary_reader():
     with BinaryReader(**BINARY_LIMITS) as reader:
         yield reader
+
+
+@cache
+def first_seed():
+    """A number of the readers' own source: other cases after every change of them, the same ones until then."""
+    sources = sorted(Path(flycontrol.io.__file__).parent.rglob("*.py"))
+    return int.from_bytes(blake2b(b"".join(path.read_bytes() for path in sources), digest_size=5).digest())
 
 
 def assert_no_fault(name, seed, folder, binary_reader):
@@ -33,7 +43,7 @@ def test_a_file_of_the_corpus_is_read_or_refused_in_one_sentence(path, binary_re
 @pytest.mark.parametrize("name", NAMES)
 def test_fresh_malformed_files_are_read_or_refused_in_one_sentence(name, tmp_path, binary_reader):
     count = FRESH["binary" if readers()[name].binary else "text"]
-    first = secrets.randbelow(2**40)
+    first = first_seed()
     for seed in range(first, first + count):
         assert_no_fault(name, seed, tmp_path, binary_reader)
 
