@@ -7,13 +7,13 @@ in ../shared/data. Note, figures and numbers go to reports/beside_another_tracke
 import io
 import json
 import re
-import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from _by_hand import REPORTS, folder_named
 from _drawn_flies import PARTS, Drawing, Part, Placed, drawing_of, drawn, overlap, placed
 from _opened import opened
 from conventions_of_another_tracker import ReadingRow, Take, other_drawing, read_take, reading_rows
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 FloatArray = NDArray[np.float64]
 
 NAME = "beside_another_tracker"
-FOLDER = Path(__file__).resolve().parents[1] / "reports" / NAME
+FOLDER = REPORTS / NAME
 
 # ## The question
 #
@@ -800,4 +800,4 @@ def main(folder: Path = FOLDER) -> Findings:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER)
+    main(folder_named(__file__, __doc__, FOLDER))

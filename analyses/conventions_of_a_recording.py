@@ -4,11 +4,10 @@ Run with `python analyses/conventions_of_a_recording.py [FIGURE.svg]`; the recor
 $FLYCONTROL_DATA, else in ../shared/data.
 """
 
-import os
-import sys
 from pathlib import Path
 
 import numpy as np
+from _by_hand import DATA, figure_named, measured
 
 from flycontrol.identify.bootstrap import block_bootstrap
 from flycontrol.identify.flight import FlightAnalysis, analyse_flight
@@ -19,7 +18,6 @@ from flycontrol.model.morphology import morphology_from_table
 from flycontrol.units import deg
 
 FLIGHTS = ("20121009_S0003", "20121120_S0001", "20121128_S0003")
-DATA = Path(os.environ.get("FLYCONTROL_DATA", Path(__file__).resolve().parents[2] / "shared" / "data"))
 
 # ## The question
 #
@@ -31,11 +29,8 @@ DATA = Path(os.environ.get("FLYCONTROL_DATA", Path(__file__).resolve().parents[2
 
 def analyses() -> list[FlightAnalysis]:
     """All three flights with the *D. hydei* that the package ships."""
+    measured(DATA, "muijres_freeflight")
     folder = DATA / "muijres_freeflight"
-    if not folder.is_dir():
-        sys.exit(
-            f"The recordings are not at {folder}; set FLYCONTROL_DATA to the folder that holds muijres_freeflight."
-        )
     fly = morphology_from_table(read_morphology_table("drosophila_hydei"), "Drosophila hydei", 189.0)
     return [analyse_flight(read_recording(folder / f"{name}.txt", "muijres_freeflight"), fly) for name in FLIGHTS]
 
@@ -186,16 +181,16 @@ def figure(flights: list[FlightAnalysis], path: Path) -> None:
 # deg.
 
 
-def main() -> None:
-    """Print the tables; draw the figure where a path was given."""
+def main(drawing: Path | None = None) -> None:
+    """Print the tables; draw the figure where a path is given."""
     flights = analyses()
     conventions(flights)
     pooled_left_right(flights)
     plants(flights)
     turns(flights)
-    if len(sys.argv) > 1:
-        figure(flights, Path(sys.argv[1]))
+    if drawing is not None:
+        figure(flights, drawing)
 
 
 if __name__ == "__main__":
-    main()
+    main(figure_named(__file__, __doc__))

@@ -4,14 +4,12 @@ Run with `python analyses/conventions_of_another_tracker.py`; the silhouettes ar
 in ../shared/data. It prints a table and writes nothing; `beside_another_tracker.py` goes on from here.
 """
 
-import os
-import sys
 from dataclasses import dataclass, replace
 from itertools import product
-from pathlib import Path
 from typing import Literal
 
 import numpy as np
+from _by_hand import DATA, measured, nothing_named
 from _drawn_flies import Drawing, Masks, Placed, drawing_of, overlap, placed
 from numpy.typing import NDArray
 from scipy.interpolate import BSpline
@@ -24,7 +22,6 @@ from flycontrol.units import mm
 from flycontrol.vision.footage import FilmedFrame, Footage
 
 FloatArray = NDArray[np.float64]
-DATA = Path(os.environ.get("FLYCONTROL_DATA", Path(__file__).resolve().parents[2] / "shared" / "data"))
 FILE = "silhouettes/exp095_first47.npz"
 
 # ## The file
@@ -54,9 +51,8 @@ class Take:
 
 def read_take() -> Take:
     """Silhouettes, cameras and the other tracker's answer."""
+    measured(DATA, FILE)
     path = DATA / FILE
-    if not path.is_file():
-        sys.exit(f"The silhouettes are not at {path}; set FLYCONTROL_DATA to the folder with silhouettes.")
     opened = open_films([path])
     with np.load(path) as file:
         found = {name: file[name] for name in file.files if name in ("frames", "DLT", "xh") or "model" in name}
@@ -212,4 +208,5 @@ def main() -> list[ReadingRow]:
 
 
 if __name__ == "__main__":
+    nothing_named(__file__, __doc__)
     main()

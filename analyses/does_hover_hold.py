@@ -7,13 +7,12 @@ unless a folder is given. It takes half a minute.
 
 import io
 import json
-import os
-import sys
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from _by_hand import DATA, REPORTS, folder_named
 from _opened import opened
 from numpy.typing import NDArray
 
@@ -41,8 +40,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 FloatArray = NDArray[np.float64]
-FOLDER = Path(__file__).resolve().parents[1] / "reports" / "does_hover_hold"
-DATA = Path(os.environ.get("FLYCONTROL_DATA", Path(__file__).resolve().parents[2] / "shared" / "data"))
+FOLDER = REPORTS / "does_hover_hold"
 
 # ## The question
 #
@@ -499,4 +497,4 @@ def main(folder: Path = FOLDER) -> Findings:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER)
+    main(folder_named(__file__, __doc__, FOLDER))

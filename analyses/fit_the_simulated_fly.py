@@ -7,8 +7,6 @@ takes two to three minutes of an idle core.
 
 import io
 import json
-import os
-import sys
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -16,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from _by_hand import DATA, REPORTS, folder_named, measured
 from numpy.typing import NDArray
 
 from flycontrol.flight.feedback import Sampling, YawFeedback
@@ -53,8 +52,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 FloatArray = NDArray[np.float64]
-FOLDER = Path(__file__).resolve().parents[1] / "reports" / "fit_the_simulated_fly"
-DATA = Path(os.environ.get("FLYCONTROL_DATA", Path(__file__).resolve().parents[2] / "shared" / "data"))
+FOLDER = REPORTS / "fit_the_simulated_fly"
 STROKE = hover_stroke()
 MEASURED_FREQUENCY = 218.0  #: of the measured hover [1/s]
 PITCH_AXIS = 0.05  #: at which hinge_as_a_spring finds passive pitching closest to measured pitch [chords]
@@ -620,11 +618,7 @@ def as_numbers(found: Findings) -> str:
 
 def main(folder: Path = FOLDER) -> Findings:
     """Find, draw and write."""
-    if not (DATA / "kinematics_fourier").is_dir():
-        sys.exit(
-            f"The measured hover is not at {DATA / 'kinematics_fourier'}; set FLYCONTROL_DATA to the folder that holds "
-            "kinematics_fourier."
-        )
+    measured(DATA, "kinematics_fourier")
     found = findings()
     text = as_text(found)
     write_files_atomically(
@@ -640,4 +634,4 @@ def main(folder: Path = FOLDER) -> Findings:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER)
+    main(folder_named(__file__, __doc__, FOLDER))

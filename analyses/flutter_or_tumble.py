@@ -6,7 +6,6 @@ reports/flutter_or_tumble unless a folder is given. It takes one to two minutes.
 
 import io
 import json
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
@@ -14,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from _by_hand import REPORTS, folder_named
 from _opened import opened
 from numpy.typing import NDArray
 from scipy.optimize import brentq
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 FloatArray = NDArray[np.float64]
-FOLDER = Path(__file__).resolve().parents[1] / "reports" / "flutter_or_tumble"
+FOLDER = REPORTS / "flutter_or_tumble"
 
 # ## The question
 #
@@ -385,4 +385,4 @@ def main(folder: Path = FOLDER) -> Findings:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER)
+    main(folder_named(__file__, __doc__, FOLDER))

@@ -6,13 +6,12 @@ Run with `python analyses/hinge_as_a_spring.py [FOLDER]`; the measurements are l
 
 import io
 import json
-import os
-import sys
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from _by_hand import DATA, REPORTS, folder_named, measured
 from numpy.typing import NDArray
 
 from flycontrol.flight.flapping_fly import FlappingFly
@@ -46,8 +45,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 FloatArray = NDArray[np.float64]
-FOLDER = Path(__file__).resolve().parents[1] / "reports" / "hinge_as_a_spring"
-DATA = Path(os.environ.get("FLYCONTROL_DATA", Path(__file__).resolve().parents[2] / "shared" / "data"))
+FOLDER = REPORTS / "hinge_as_a_spring"
 
 # ## The question
 #
@@ -977,11 +975,7 @@ def axis_numbers(x0: float, one: AtAxis) -> dict[str, Any]:
 
 def main(folder: Path = FOLDER) -> Findings:
     """Find, draw and write."""
-    for needed in ("kinematics_fourier", "muijres_mean_wingbeats", "muijres_freeflight"):
-        if not (DATA / needed).is_dir():
-            sys.exit(
-                f"The measurements are not at {DATA / needed}; set FLYCONTROL_DATA to the folder that holds {needed}."
-            )
+    measured(DATA, "kinematics_fourier", "muijres_mean_wingbeats", "muijres_freeflight")
     found = findings()
     text = as_text(found)
     write_files_atomically(
@@ -997,4 +991,4 @@ def main(folder: Path = FOLDER) -> Findings:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER)
+    main(folder_named(__file__, __doc__, FOLDER))

@@ -6,13 +6,13 @@ folder is given.
 
 import io
 import json
-import sys
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from _by_hand import REPORTS, folder_named
 from _opened import opened
 
 from flycontrol.flight.flapping_fly import FlappingFly
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 NAME = "how_many_steps"
-FOLDER = Path(__file__).resolve().parents[1] / "reports" / NAME
+FOLDER = REPORTS / NAME
 FREQUENCY = 220.0  # [1/s]
 STEPS = (20, 28, 40, 56, 80, 112, 160, 200, 280, 400, 560, 800, 1120, 1600)
 EXACT_STEPS = 12800
@@ -332,4 +332,4 @@ def main(folder: Path = FOLDER) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER)
+    main(folder_named(__file__, __doc__, FOLDER))

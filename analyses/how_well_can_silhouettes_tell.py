@@ -6,7 +6,6 @@ reports/how_well_can_silhouettes_tell unless a folder is given. It takes some fi
 
 import io
 import json
-import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -14,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from _by_hand import REPORTS, folder_named
 from numpy.typing import NDArray
 
 from flycontrol.jobs.files import write_files_atomically
@@ -46,7 +46,7 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 NAME = "how_well_can_silhouettes_tell"
-FOLDER = Path(__file__).resolve().parents[1] / "reports" / NAME
+FOLDER = REPORTS / NAME
 SEED = 20090117
 
 # ## The question
@@ -966,4 +966,4 @@ def main(folder: Path = FOLDER, plan: Plan | None = None) -> Findings:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER)
+    main(folder_named(__file__, __doc__, FOLDER))

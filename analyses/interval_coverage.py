@@ -1,14 +1,12 @@
 """How often do 95 % intervals of gains, delay and damping hold the truth, and how far off are the estimates on average?
 
-Run with `python analyses/interval_coverage.py [FOLDER] [RECORDINGS] [WORKERS]`; figure and numbers go to
-reports/coverage unless a folder is given. It takes about ten minutes on two free cores; an interrupted run goes on
-where it was.
+Run with `python analyses/interval_coverage.py [FOLDER]`; figure and numbers go to reports/coverage unless a folder is
+given. It takes about ten minutes on two free cores; an interrupted run goes on where it was.
 """
 
 import hashlib
 import io
 import json
-import sys
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -17,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import scipy.signal
 import scipy.stats
+from _by_hand import REPORTS, ROOT, folder_named
 from _opened import opened
 
 from flycontrol.identify.gains.fit import fit_gains
@@ -32,8 +31,7 @@ from flycontrol.units import deg, ms
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-ROOT = Path(__file__).resolve().parents[1]
-FOLDER = ROOT / "reports" / "coverage"
+FOLDER = REPORTS / "coverage"
 RECORDINGS = 5000
 
 # ## The question
@@ -249,4 +247,4 @@ def main(folder: Path = FOLDER, recordings: int = RECORDINGS, workers: int = 2) 
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER, *map(int, sys.argv[2:]))
+    main(folder_named(__file__, __doc__, FOLDER))

@@ -6,12 +6,12 @@ reports/is_yaw_control_fast_enough unless a folder is given. It takes about half
 
 import io
 import json
-import sys
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from _by_hand import REPORTS, folder_named
 
 from flycontrol.flight.flapping_fly import FlappingFly
 from flycontrol.flight.hinge_fit import at_pitch_axis, fitted_spring
@@ -32,7 +32,7 @@ from flycontrol.units import deg, ms
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-FOLDER = Path(__file__).resolve().parents[1] / "reports" / "is_yaw_control_fast_enough"
+FOLDER = REPORTS / "is_yaw_control_fast_enough"
 PEAK, BAND = 20 * deg, 2 * deg
 ROBUST = 0.5  #: modulus margin that a fly is granted, Ms <= 2
 DEADLINE, WINGBEATS = 60 * ms, 15  #: published: back within 2 deg in under 60 ms, under 15 wingbeats
@@ -326,4 +326,4 @@ def main(folder: Path = FOLDER) -> list[dict[str, str]]:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER)
+    main(folder_named(__file__, __doc__, FOLDER))

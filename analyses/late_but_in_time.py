@@ -6,11 +6,11 @@ folder is given. It is the picture of the README.
 
 import io
 import json
-import sys
 from pathlib import Path
 
 import matplotlib.style
 import numpy as np
+from _by_hand import REPORTS, folder_named
 from matplotlib.figure import Figure
 
 from flycontrol.io.parameters import read_parameters
@@ -20,7 +20,7 @@ from flycontrol.model.recovery import pulse_for_peak, pulse_response, recovery_c
 from flycontrol.model.yaw import PDController, YawLoop, YawPlant
 from flycontrol.units import deg, ms
 
-FOLDER = Path(__file__).resolve().parents[1] / "reports" / "late_but_in_time"
+FOLDER = REPORTS / "late_but_in_time"
 DARK, MIDDLE, LIGHT, MARK = "#0b3954", "#3a87c0", "#9cc9e3", "#c8323c"
 
 # ## The question
@@ -125,4 +125,4 @@ def main(folder: Path = FOLDER) -> None:
 
 
 if __name__ == "__main__":
-    main(*map(Path, sys.argv[1:2]))
+    main(folder_named(__file__, __doc__, FOLDER))

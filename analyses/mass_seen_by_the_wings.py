@@ -5,16 +5,16 @@ in ../shared/data. Table, figure and numbers go to reports/mass_seen_by_the_wing
 """
 
 import json
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from _by_hand import REPORTS, folder_named
 from _opened import opened
 from noise_ceiling_of_a_replay import filmed, twin_of
-from replayed_flights import FLIGHTS, FLY, REPORTS, Flight, Replay, estimate, flight_of, flights, same, svg_of
+from replayed_flights import FLIGHTS, FLY, Flight, Replay, estimate, flight_of, flights, same, svg_of
 from why_crude_replays_miss_yaw import spin_rate, still
 
 from flycontrol.flight.aerodynamics import Load
@@ -350,4 +350,4 @@ def main(folder: Path = REPORTS / NAME) -> tuple[list[Seen], list[TrackedPoint]]
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else REPORTS / NAME)
+    main(folder_named(__file__, __doc__, REPORTS / NAME))

@@ -5,18 +5,17 @@ else in ../shared/data. Table, figure and numbers go to reports/noise_ceiling_of
 """
 
 import json
-import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from _by_hand import REPORTS, folder_named
 from _opened import opened
 from replayed_flights import (
     AXES,
     FLIGHTS,
     FLY,
-    REPORTS,
     WORDS,
     AsIs,
     Flight,
@@ -260,4 +259,4 @@ def main(folder: Path = REPORTS / NAME) -> list[list[Ceiling]]:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else REPORTS / NAME)
+    main(folder_named(__file__, __doc__, REPORTS / NAME))

@@ -6,12 +6,12 @@ folder is given.
 
 import io
 import json
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from _by_hand import REPORTS, folder_named
 from _opened import opened
 
 from flycontrol.delay.response import collocation_rule
@@ -28,7 +28,7 @@ from flycontrol.units import deg, ms
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-FOLDER = Path(__file__).resolve().parents[1] / "reports" / "nominal_gains"
+FOLDER = REPORTS / "nominal_gains"
 
 # ## The question
 #
@@ -303,4 +303,4 @@ def main(folder: Path = FOLDER) -> list[Candidate]:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER)
+    main(folder_named(__file__, __doc__, FOLDER))

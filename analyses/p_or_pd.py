@@ -6,7 +6,6 @@ given. It takes about three minutes on one core.
 
 import io
 import json
-import sys
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -14,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import scipy.signal
+from _by_hand import REPORTS, folder_named
 from _opened import opened
 
 from flycontrol.identify.gains.fit import fit_gains
@@ -31,7 +31,7 @@ from flycontrol.units import deg, ms
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-FOLDER = Path(__file__).resolve().parents[1] / "reports" / "p_or_pd"
+FOLDER = REPORTS / "p_or_pd"
 FLY = read_parameters()
 DELAY, DURATION = FLY.delay.value, FLY.pulse_duration.value
 
@@ -431,4 +431,4 @@ def main(folder: Path = FOLDER) -> list[Cell]:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER)
+    main(folder_named(__file__, __doc__, FOLDER))

@@ -7,7 +7,6 @@ reports/pade_or_exact unless a folder is given. It takes about two minutes.
 import io
 import json
 import math
-import sys
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import control
 import numpy as np
+from _by_hand import REPORTS, folder_named
 from scipy.optimize import brentq, least_squares
 
 from flycontrol.delay import DelayLTI, delay, feedback, margins, pade, response, rightmost_roots
@@ -29,7 +29,7 @@ from flycontrol.units import deg, ms
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-FOLDER = Path(__file__).resolve().parents[1] / "reports" / "pade_or_exact"
+FOLDER = REPORTS / "pade_or_exact"
 ORDERS = tuple(range(1, 9))
 DOUBLING = (4, 8, 16, 32)  # orders at which responses show their power law
 SEED = 20_240
@@ -668,4 +668,4 @@ def main(folder: Path = FOLDER) -> Findings:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER)
+    main(folder_named(__file__, __doc__, FOLDER))

@@ -6,14 +6,13 @@ Run with `python analyses/replayed_flights.py [FOLDER]`; the recordings are look
 
 import io
 import json
-import os
-import sys
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from _by_hand import DATA, REPORTS, folder_named, measured
 from _opened import opened
 
 from flycontrol.flight.aerodynamics import Load
@@ -30,9 +29,7 @@ from flycontrol.model.trajectory import Trajectory
 from flycontrol.model.wingbeats import Wingbeats, segment_wingbeats
 from flycontrol.units import deg, mm
 
-REPORTS = Path(__file__).resolve().parents[1] / "reports"
 NAME = "replayed_flights"
-DATA = Path(os.environ.get("FLYCONTROL_DATA", Path(__file__).resolve().parents[2] / "shared" / "data"))
 FLIGHTS = ("20121009_S0003", "20121120_S0001", "20121128_S0003")
 WORDS = ("turning", "turning", "nearly straight")
 AXES = ("roll", "pitch", "yaw")
@@ -65,9 +62,8 @@ class Flight:
 
 def flights() -> list[Flight]:
     """All three."""
+    measured(DATA, "muijres_freeflight")
     folder = DATA / "muijres_freeflight"
-    if not folder.is_dir():
-        sys.exit(f"The recordings are not at {folder}; set FLYCONTROL_DATA to the folder with muijres_freeflight.")
     return [flight_of(read_recording(folder / f"{name}.txt", "muijres_freeflight")) for name in FLIGHTS]
 
 
@@ -364,4 +360,4 @@ def main(folder: Path = REPORTS / NAME) -> list[AsIs]:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else REPORTS / NAME)
+    main(folder_named(__file__, __doc__, REPORTS / NAME))

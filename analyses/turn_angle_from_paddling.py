@@ -7,13 +7,12 @@ reports/turn_angle_from_paddling unless a folder is given. It takes a minute.
 
 import io
 import json
-import os
-import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from _by_hand import DATA, REPORTS, folder_named
 from _opened import opened
 from numpy.typing import NDArray
 
@@ -52,8 +51,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 FloatArray = NDArray[np.float64]
-FOLDER = Path(__file__).resolve().parents[1] / "reports" / "turn_angle_from_paddling"
-DATA = Path(os.environ.get("FLYCONTROL_DATA", Path(__file__).resolve().parents[2] / "shared" / "data"))
+FOLDER = REPORTS / "turn_angle_from_paddling"
 
 MEASURED_HOVER = "D. melanogaster, measured hover"
 
@@ -718,4 +716,4 @@ def main(folder: Path = FOLDER) -> Findings:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER)
+    main(folder_named(__file__, __doc__, FOLDER))

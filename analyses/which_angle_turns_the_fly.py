@@ -5,16 +5,16 @@ else in ../shared/data. Table, figure and numbers go to reports/which_angle_turn
 """
 
 import json
-import sys
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from _by_hand import DATA, REPORTS, folder_named
 from hinge_as_a_spring import hovering_fly
 from numpy.typing import NDArray
-from replayed_flights import DATA, FLY, REPORTS, Flight, Replay, flights, svg_of
+from replayed_flights import FLY, Flight, Replay, flights, svg_of
 from scipy.spatial.transform import Rotation
 
 from flycontrol.flight.coefficients import COEFFICIENTS
@@ -759,4 +759,4 @@ def main(folder: Path = REPORTS / NAME) -> Findings:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else REPORTS / NAME)
+    main(folder_named(__file__, __doc__, REPORTS / NAME))

@@ -6,14 +6,13 @@ in ../shared/data. The note, the numbers and the figure go to reports/wings_agai
 
 import io
 import json
-import os
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from _by_hand import DATA, REPORTS, folder_named, measured
 from _opened import opened
 from numpy.typing import NDArray
 
@@ -37,8 +36,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 FloatArray = NDArray[np.float64]
-FOLDER = Path(__file__).resolve().parents[1] / "reports" / "wings_against_nature"
-DATA = Path(os.environ.get("FLYCONTROL_DATA", Path(__file__).resolve().parents[2] / "shared" / "data"))
+FOLDER = REPORTS / "wings_against_nature"
 
 # ## A wing that only revolves
 #
@@ -462,11 +460,7 @@ def as_numbers(found: Findings) -> str:
 
 def main(folder: Path = FOLDER) -> Findings:
     """Find, draw and write."""
-    for needed in ("robofly_polars", "kinematics_fourier", "muijres_mean_wingbeats"):
-        if not (DATA / needed).is_dir():
-            sys.exit(
-                f"The measurements are not at {DATA / needed}; set FLYCONTROL_DATA to the folder that holds {needed}."
-            )
+    measured(DATA, "robofly_polars", "kinematics_fourier", "muijres_mean_wingbeats")
     found = findings()
     text = opened(__file__, as_text(found))
     write_files_atomically(
@@ -482,4 +476,4 @@ def main(folder: Path = FOLDER) -> Findings:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER)
+    main(folder_named(__file__, __doc__, FOLDER))
