@@ -19,7 +19,7 @@ from flycontrol.flight.quadrature_error import estimate_quadrature_error
 from flycontrol.flight.settings import MarchSettings
 from flycontrol.flight.state_vector import first_wingbeat, level_start, packed, trajectory_of
 from flycontrol.flight.step_error import every_second, step_error_between
-from flycontrol.flight.wingbeats import Errors, diverged
+from flycontrol.flight.wingbeats import Errors, diverged, whole_wingbeats
 from flycontrol.model.stroke_kinematics import StrokeKinematics
 from flycontrol.model.trajectory import FlightState, Trajectory
 
@@ -64,9 +64,9 @@ def simulate_flights(
     InvalidParameterError
         Plans that cannot fly together, or a step too coarse for the tolerance.
     """
-    if not plans or wingbeats < 1:
-        raise InvalidParameterError(f"An ensemble needs a plan and a wingbeat, got {len(plans)} and {wingbeats!r}.")
-    at_once = replace(settings or MarchSettings(), chunk=wingbeats)  # everything is kept anyway
+    if not plans:
+        raise InvalidParameterError("An ensemble needs a plan, got none.")
+    at_once = replace(settings or MarchSettings(), chunk=whole_wingbeats(wingbeats))  # everything is kept anyway
     groups = [plans[first : first + LANES] for first in range(0, len(plans), LANES)]
     return [flight for group in groups for flight in next(ensemble_chunks(group, wingbeats, settings=at_once))]
 

@@ -66,6 +66,11 @@ class YawFeedback:
     limit: float | None = None  #: of the command, reached smoothly as tanh [rad]
 
     def __post_init__(self) -> None:
+        if not isinstance(self.gains, PDController | PIDController):
+            raise InvalidParameterError(
+                f"YawFeedback.gains must be a PDController or a PIDController, got {self.gains!r}; write "
+                "PDController(proportional=..., derivative=...)."
+            )
         if not (self.delay >= 0 and np.isfinite(self.delay)):
             raise InvalidParameterError(f"YawFeedback.delay must be >= 0 s, got {self.delay!r}.")
         if self.limit is not None and not (self.limit > 0 and np.isfinite(self.limit)):

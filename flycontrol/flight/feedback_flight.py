@@ -20,13 +20,13 @@ from flycontrol.flight.heading import headings, yaw_rates
 from flycontrol.flight.kernels.march import SAMPLE, march, sample_now
 from flycontrol.flight.multibody.constants import constants_of
 from flycontrol.flight.multibody.freedoms import Prescribed
-from flycontrol.flight.pulses import BodyPulse, outside_loads
+from flycontrol.flight.pulses import BodyPulse, outside_loads, refuse_idle_pulses
 from flycontrol.flight.quadrature_error import estimate_quadrature_error
 from flycontrol.flight.sensors import BodyMotion
 from flycontrol.flight.settings import MarchSettings
 from flycontrol.flight.state_vector import first_wingbeat, level_start, packed, trajectory_of
 from flycontrol.flight.step_error import coarse_end, step_error_between
-from flycontrol.flight.wingbeats import diverged
+from flycontrol.flight.wingbeats import diverged, whole_wingbeats
 from flycontrol.model.hinge import SteeredSpring
 from flycontrol.model.stroke_kinematics import StrokeKinematics
 from flycontrol.model.trajectory import FlightState, StepError, Trajectory
@@ -56,9 +56,15 @@ class ControlledFlight:
         ----------
         values : (N,) at the trajectory's instants
         """
-        n = self.trajectory.samples_per_wingbeat
+        n, instants = self.trajectory.samples_per_wingbeat, len(self.trajectory.time)
         if n % 2:
             raise InvalidParameterError(f"Wingbeat means need an even number of samples a wingbeat, got {n}.")
+        if np.shape(values) != (instants,):
+            raise InvalidParameterError(
+                f"averaged needs one value at each of the flight's {instants} instants, got shape {np.shape(values)}."
+            )
+        if instants <= n:
+            raise InvalidParameterError(f"Wingbeat means need a whole wingbeat, {n + 1} instants, got {instants}.")
         weights = np.full(n + 1, 1.0 / n)
         weights[[0, -1]] /= 2
         means = np.full(len(values), np.nan)
@@ -91,7 +97,8 @@ def controlled_flight(  # noqa: PLR0913 (simulate_flight's arguments and a contr
     Parameters
     ----------
     fly
-        Its pitch joints take the command: prescribed ones as paddling, `SteeredSpring`s as a bias of their rest angle.
+        Its body must be free to yaw; its pitch joints take the command: prescribed ones as paddling, `SteeredSpring`s
+        as a bias of their rest angle.
     stroke
         Of both wings without control; a `HingeStroke` on springs.
     feedback
@@ -101,7 +108,7 @@ def controlled_flight(  # noqa: PLR0913 (simulate_flight's arguments and a contr
     start
         State at phase 0; by default at rest, stroke plane level, wings where the stroke begins.
     pulses
-        Forces and torques from outside.
+        Forces and torques from outside, each of them during the flight, at least in part.
     settings
         Steps and samples a wingbeat.
 
@@ -113,12 +120,14 @@ def controlled_flight(  # noqa: PLR0913 (simulate_flight's arguments and a contr
     Raises
     ------
     InvalidParameterError
-        No wingbeat, a delay below one step, pitch joints that take no command, or a step too coarse.
+        No wingbeat, a delay below one step, a body that cannot yaw, pitch joints that take no command, a pulse that
+        never acts, or a step too coarse.
     """
-    if not (wingbeats >= 1 and int(wingbeats) == wingbeats):
-        raise InvalidParameterError(f"A flight needs at least one wingbeat, and whole ones, got {wingbeats!r}.")
+    wingbeats = whole_wingbeats(wingbeats)
+    _refuse_held_yaw(fly)
     _refuse_deaf_hinges(fly)
-    loop = _ClosedLoop(fly, stroke, feedback, tuple(pulses), settings or MarchSettings(), int(wingbeats))
+    refuse_idle_pulses(pulses, wingbeats, stroke.frequency)
+    loop = _ClosedLoop(fly, stroke, feedback, tuple(pulses), settings or MarchSettings(), wingbeats)
     return loop.flown(packed(start or level_start(stroke)))
 
 
@@ -245,6 +254,14 @@ class _SteeredPitch:
         first[:, 2] += asked[1]
         second[:, 2] += asked[2]
         return PhasedAngles(angles=angles, first=first, second=second)
+
+
+def _refuse_held_yaw(fly: FlappingFly) -> None:
+    if not fly.body.yaw:
+        raise InvalidParameterError(
+            "Yaw control needs a body that can yaw, and this one's yaw is held; fly it with body=YAW_ONLY, as on a "
+            "magnetic tether, or FREE."
+        )
 
 
 def _refuse_deaf_hinges(fly: FlappingFly) -> None:

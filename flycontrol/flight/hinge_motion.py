@@ -71,9 +71,12 @@ def passive_wingbeat(
     Raises
     ------
     InvalidParameterError
-        The hinges are others, or no periodic wingbeat is found: the spring lets the wing tumble.
+        The hinges are others, the yaw rate is not finite, or no periodic wingbeat is found: the spring lets the wing
+        tumble.
     """
     _refuse_other_hinges(fly, stroke)
+    if not np.isfinite(yaw_rate):
+        raise InvalidParameterError(f"passive_wingbeat needs a finite yaw rate in rad/s, got {yaw_rate!r}.")
     beat = _PitchMap(replace(fly, body=HELD), stroke, settings or EVERY_STEP)
     beat.rest[SPIN + 2] = yaw_rate
     x, jacobian, closure = _periodic(beat)

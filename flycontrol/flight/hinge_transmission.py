@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from flycontrol.errors import InvalidParameterError
 from flycontrol.flight.flapping_fly import FlappingFly
 from flycontrol.flight.hinge_motion import PassiveWingbeat, passive_wingbeat, sprung
 from flycontrol.flight.settings import MarchSettings
@@ -47,7 +48,18 @@ def biased_wingbeat(
     bias: float,
     settings: MarchSettings | None = None,
 ) -> BiasedWingbeat:
-    """Passive pitching with the right spring's rest angle up by the bias and the left one's down by it."""
+    """Passive pitching with the right spring's rest angle up by the bias and the left one's down by it.
+
+    Raises
+    ------
+    InvalidParameterError
+        The bias is beyond +-pi/2, or there is no periodic wingbeat.
+    """
+    if not abs(bias) <= np.pi / 2:  # `not <=` also refuses NaN
+        raise InvalidParameterError(
+            f"A bias of the rest angles is in radians, within +-pi/2, got {bias!r}; write 5 * deg for 5 degrees "
+            "(flycontrol.units)."
+        )
     left, right = (replace(spring, rest_angle=spring.rest_angle + sign * bias) for sign in (-1, 1))
     passive = passive_wingbeat(sprung(fly, left, right), stroke, settings)
     flight = passive.trajectory
@@ -94,8 +106,17 @@ def hinge_transmission(
     fly, stroke, spring
         As for `biased_wingbeat`.
     bias
-        Step of the differences, to either side [rad].
+        Step of the differences, to either side; not 0 [rad].
+
+    Raises
+    ------
+    InvalidParameterError
+        The bias is 0 or beyond +-pi/2, or there is no periodic wingbeat.
     """
+    if bias == 0:
+        raise InvalidParameterError(
+            f"hinge_transmission takes differences over a bias other than 0 rad, got {bias!r}; leave it out for 1 deg."
+        )
     up, down = (biased_wingbeat(fly, stroke, spring, sign * bias, settings) for sign in (1, -1))
     held = sprung(fly, spring)
     hover = passive_wingbeat(held, stroke, settings).trajectory

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from flycontrol.errors import InvalidInputError
+from flycontrol.errors import InvalidInputError, InvalidParameterError
 from flycontrol.flight.flapping_fly import FlappingFly
 from flycontrol.flight.multibody.freedoms import HELD, Hinge
 from flycontrol.flight.multibody.inverse import inverse_dynamics
@@ -59,6 +59,8 @@ def pitch_torques(fly: FlappingFly, trajectory: Trajectory, side: Side = "right"
     side
         Which wing.
     """
+    if side not in ("left", "right"):
+        raise InvalidParameterError(f"pitch_torques is for the 'left' or the 'right' wing, got {side!r}.")
     beats = len(trajectory.time) / trajectory.samples_per_wingbeat
     if not (beats >= 1 and beats == int(beats)):
         raise InvalidInputError(
@@ -97,6 +99,11 @@ def held_wingbeat(fly: FlappingFly, stroke: StrokeKinematics, settings: MarchSet
 
 def rest_angle(torques: PitchTorques, stiffness: float) -> float:
     """eta_0 = <eta> + <tau> / kappa [rad] of a spring of known kappa: over whole wingbeats a damper takes no part."""
+    if not 0 < stiffness < np.inf:  # refuses NaN too
+        raise InvalidParameterError(
+            f"A rest angle needs the stiffness of a spring, finite and > 0 N m/rad, got {stiffness!r}; work_loop finds "
+            "one."
+        )
     return float(torques.pitch.mean() + torques.hinge.mean() / stiffness)
 
 

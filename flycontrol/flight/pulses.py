@@ -32,6 +32,17 @@ class BodyPulse:
             raise InvalidParameterError("BodyPulse needs finite forces and torques.")
 
 
+def refuse_idle_pulses(pulses: Sequence[BodyPulse], wingbeats: int, frequency: float) -> None:
+    """InvalidParameterError where a pulse never acts in a flight of so many wingbeats at a frequency [1/s]."""
+    end = wingbeats / frequency
+    for pulse in pulses:
+        if pulse.start + pulse.duration <= 0 or pulse.start >= end:
+            raise InvalidParameterError(
+                f"A pulse must act during the flight of {wingbeats} wingbeats, 0 to {end:.6g} s, got one from "
+                f"{pulse.start:.6g} to {pulse.start + pulse.duration:.6g} s; move it (times are in seconds), or fly on."
+            )
+
+
 def outside_loads(pulses: Sequence[BodyPulse], start: float, step: float, steps: int) -> FloatArray:
     """(steps, 6) force and torque during each step, frame S [N, N m].
 

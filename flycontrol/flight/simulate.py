@@ -10,11 +10,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from flycontrol.errors import InvalidParameterError
 from flycontrol.flight.flapping_fly import FlappingFly
-from flycontrol.flight.pulses import BodyPulse
+from flycontrol.flight.pulses import BodyPulse, refuse_idle_pulses
 from flycontrol.flight.settings import MarchSettings
-from flycontrol.flight.wingbeats import March, Steering
+from flycontrol.flight.wingbeats import March, Steering, whole_wingbeats
 from flycontrol.model.stroke_kinematics import StrokeKinematics
 from flycontrol.model.trajectory import FlightState, Trajectory
 
@@ -42,7 +41,7 @@ def simulate_flight(
     start
         State at phase 0; by default `level_start`: at rest, stroke plane level, wings where the stroke begins.
     pulses
-        Forces and torques from outside.
+        Forces and torques from outside, each of them during the flight, at least in part.
     settings
         Steps and samples a wingbeat.
 
@@ -55,9 +54,10 @@ def simulate_flight(
     Raises
     ------
     InvalidParameterError
-        The step is too coarse for the tolerance (with the number of steps that would do), or an input is impossible.
+        The step is too coarse for the tolerance (with the number of steps that would do), a pulse never acts, or an
+        input is impossible.
     """
-    at_once = replace(settings or MarchSettings(), chunk=max(wingbeats, 1))  # everything is kept anyway
+    at_once = replace(settings or MarchSettings(), chunk=whole_wingbeats(wingbeats))  # everything is kept anyway
     (flight,) = flight_chunks(fly, stroke, wingbeats, start=start, pulses=pulses, settings=at_once)
     return flight
 
@@ -75,10 +75,9 @@ def flight_chunks(
 
     The last instant of a piece is the first of the next one.
     """
-    if wingbeats < 1:
-        raise InvalidParameterError(f"A flight needs at least one wingbeat, got {wingbeats!r}.")
-    settings = settings or MarchSettings()
+    wingbeats, settings = whole_wingbeats(wingbeats), settings or MarchSettings()
     march = March(fly, stroke, pulses, settings, start)
+    refuse_idle_pulses(pulses, wingbeats, march.stroke.frequency)
     for first in range(0, wingbeats, settings.chunk):
         chunk = march.chunk(first, min(settings.chunk, wingbeats - first))
         yield chunk

@@ -111,6 +111,13 @@ class March:
         return stroke
 
 
+def whole_wingbeats(count: object) -> int:
+    """How many wingbeats to fly; InvalidParameterError if that is no whole number of at least one."""
+    if not (isinstance(count, int | float | np.integer | np.floating) and count >= 1 and count % 1 == 0):
+        raise InvalidParameterError(f"A flight needs at least one wingbeat, and whole ones, got {count!r}.")
+    return int(count)
+
+
 def diverged(beat: int, y: FloatArray) -> str:
     """A sentence when a state (its first 13 entries are the body's) is none of a fly, else nothing."""
     speed, spin = float(np.linalg.norm(y[VELOCITY:SPIN])), float(np.linalg.norm(y[SPIN:LEFT]))

@@ -116,7 +116,7 @@ def _completed(given: dict[str, Any], read: QuantityReader, folder: Path, begun:
 
 
 def _morphology(table: MorphologyTable, read: QuantityReader, folder: Path) -> Morphology:
-    length = read.number(table.wing_length, LENGTH, "wing_length", ("0.1 mm", "1 m"))
+    length = read.number(table.wing_length, LENGTH, "wing_length", ("0.1 mm", "200 mm"))
     shape = None if table.planform is None else _shape(table.planform, length, folder, read)
     try:
         angle = read.number(table.stroke_plane_angle, ANGLE, "stroke_plane_angle", ("-180 deg", "180 deg"))

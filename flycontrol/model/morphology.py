@@ -21,6 +21,13 @@ Matrix = tuple[Vector, Vector, Vector]
 GRAVITY = 9.81  #: [m/s^2]
 WING_MASS_OVER_MASS = 2.4 * ug / (1.1 * mg)  #: one wing (berman2007) over the fly (cheng2009)
 
+#: From beyond the smallest wasp to beyond the largest moth: lowest, highest, unit, and how else it may be written.
+_SIZES = {
+    "mass": (1e-10, 0.1, "kilograms", "1.1 * mg for 1.1 milligrams"),
+    "wing_length": (5e-5, 0.2, "metres", "2.4 * mm for 2.4 millimetres"),
+    "mean_chord": (1e-6, 0.2, "metres", "0.7 * mm for 0.7 millimetres"),
+}
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Morphology:
@@ -39,10 +46,13 @@ class Morphology:
     wing: WingBody | None = None  #: in place of a plate of even thickness with the published share of the mass
 
     def __post_init__(self) -> None:
-        for name in ("mass", "wing_length", "mean_chord"):
+        for name, (low, high, unit, example) in _SIZES.items():
             value = getattr(self, name)
-            if not (value > 0 and np.isfinite(value)):  # `not >` also refuses NaN
-                raise InvalidParameterError(f"Morphology.{name} must be finite and > 0, got {value!r}.")
+            if not low <= value <= high:  # `not <=` also refuses NaN
+                raise InvalidParameterError(
+                    f"Morphology.{name} is in {unit} and, of anything that flaps, {low:g} to {high:g}, got {value!r}; "
+                    f"write {example} (flycontrol.units)."
+                )
         if not 0.4 < self.second_moment_radius < 0.8:
             raise InvalidParameterError(
                 "Morphology.second_moment_radius must lie in 0.4..0.8 of the wing length, "

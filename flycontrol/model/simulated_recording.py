@@ -65,6 +65,10 @@ def simulated_recording(
     rng
         Needed where there is noise.
     """
+    if not np.isfinite(stroke_plane_angle):
+        raise InvalidParameterError(
+            f"simulated_recording needs a finite stroke plane angle in rad, got {stroke_plane_angle!r}."
+        )
     attitude = Rotation.from_quat(flight.q_WS, scalar_first=True)
     attitude = attitude * Rotation.from_rotvec(_drawn(rng, noise.yaw, (len(flight.time), 3)))
     body = attitude * Rotation.from_matrix(pitch_rotation(stroke_plane_angle))

@@ -93,23 +93,29 @@ def yaw_decay(
     freedom
         What the body may do: "yaw" alone or "all".
     rate
-        Yaw rate that the kick would give the rigid body if it could only yaw [rad/s].
+        Yaw rate that the kick would give the rigid body if it could only yaw, > 0 to the right, not 0 [rad/s].
     phases
         When to kick [wingbeats].
 
     Raises
     ------
     InvalidParameterError
-        The wings differ, the freedom is not known, there is no phase, or the rate does not halve within four
-        wingbeats.
+        The wings differ, the freedom is not known, there is no phase, the kick is none, or the rate does not halve
+        within four wingbeats.
     """
     if kinematics.left != kinematics.right or fly.left != fly.right:
         raise InvalidParameterError(
             "A half-life of yaw needs a stroke and hinges that both wings share; symmetrise them first."
         )
-    if freedom not in ("yaw", "all") or not len(phases):
+    if freedom not in ("yaw", "all"):
+        raise InvalidParameterError(f"yaw_decay needs the freedom 'yaw' or 'all', got {freedom!r}.")
+    if np.ndim(phases) != 1 or not len(phases):
         raise InvalidParameterError(
-            f"yaw_decay needs the freedom 'yaw' or 'all' and at least one phase, got {freedom!r} and {phases!r}."
+            f"yaw_decay needs a list of at least one phase, got {phases!r}; write phases=[0.25] for a single one."
+        )
+    if not (np.isfinite(rate) and rate != 0):
+        raise InvalidParameterError(
+            f"yaw_decay needs a kick: a finite rate other than 0 rad/s, got {rate!r}; > 0 kicks to the right."
         )
     body = YAW_ONLY if freedom == "yaw" else FREE
     kicked = [_kicked(replace(fly, body=body), kinematics, start, rate, phase) for phase in phases]
@@ -133,12 +139,13 @@ def _kicked(
     pulse = BodyPulse(start=(_BEFORE + phase) / f, duration=_KICK / f, torque_S=(0.0, 0.0, torque))
     flown = simulate_flight(fly, kinematics, _BEFORE + 1 + _AFTER, start=start, pulses=[pulse], settings=_SETTINGS)
     yaw_rate = flown.angular_velocity_S[round((_BEFORE + phase + _KICK) * n) :, 2]
-    below = np.flatnonzero(yaw_rate <= yaw_rate[0] / 2)
+    kept = np.sign(rate) * yaw_rate  # of the kick's own direction
+    below = np.flatnonzero(kept <= kept[0] / 2)
     if not below.size:
         raise InvalidParameterError(
             f"The yaw rate of {fly.morphology.species} did not halve within {_AFTER} wingbeats of the kick; check its "
             "wings and its air."
         )
     k = int(below[0])
-    into = (yaw_rate[k - 1] - yaw_rate[0] / 2) / (yaw_rate[k - 1] - yaw_rate[k])
+    into = (kept[k - 1] - kept[0] / 2) / (kept[k - 1] - kept[k])
     return yaw_rate[: _AFTER * n + 1 : n], float((k - 1 + into) / (n * f))

@@ -109,7 +109,17 @@ def reduced_yaw(
         [rad].
     transmission
         mu, from the hinge's own motion.
+
+    Raises
+    ------
+    InvalidParameterError
+        The body's pitch is beyond +-pi/2, the stroke changes between wingbeats, or nothing damps the fly.
     """
+    if not abs(body_pitch) <= np.pi / 2:  # `not <=` also refuses NaN
+        raise InvalidParameterError(
+            f"reduced_yaw needs the body's pitch in radians, within +-pi/2, got {body_pitch!r}; write 55 * deg for "
+            "55 degrees (flycontrol.units)."
+        )
     vertical: Vector = (-float(np.sin(body_pitch)), 0.0, float(np.cos(body_pitch)))
     experiment = YawExperiment(fly=fly, kinematics=kinematics, axis_S=vertical)
     slopes = yaw_slopes(experiment)
@@ -126,6 +136,11 @@ def reduced_yaw(
 
 
 def _scaled(gains: PDController | PIDController, torque: float) -> PDController | PIDController:
+    if not isinstance(gains, PDController | PIDController):
+        raise InvalidParameterError(
+            f"Gains are a PDController or a PIDController, got {gains!r}; write PDController(proportional=..., "
+            "derivative=...)."
+        )
     proportional, derivative = torque * gains.proportional, torque * gains.derivative
     if isinstance(gains, PIDController):
         return PIDController(proportional=proportional, integral=torque * gains.integral, derivative=derivative)

@@ -19,14 +19,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtri, stdtrit
 
-from flycontrol.errors import InvalidInputError
+from flycontrol.errors import InvalidInputError, InvalidParameterError
 from flycontrol.flight.flapping_fly import FlappingFly
 from flycontrol.model.collapsed_wingbeats import CollapsedWingbeats
 from flycontrol.model.resampling import wrapped_blocks
 from flycontrol.model.stroke import ANGLES, Angle
+from flycontrol.model.symmetrised import VERSIONS
 from flycontrol.reduce.factorial import Factorial
 from flycontrol.reduce.symmetrised_torque import torques_of_stroke
 
@@ -69,7 +70,7 @@ class TorqueShares:
         return f"Shares of {self.wingbeats} wingbeats add up with an interaction of {self.interaction.value:+.1%}."
 
 
-def shares_of_mean(torques: FloatArray, block: int = BLOCK, draws: int = DRAWS, seed: int = SEED) -> TorqueShares:
+def shares_of_mean(torques: ArrayLike, block: int = BLOCK, draws: int = DRAWS, seed: int = SEED) -> TorqueShares:
     """Shares of the mean torque of n wingbeats.
 
     Parameters
@@ -78,17 +79,24 @@ def shares_of_mean(torques: FloatArray, block: int = BLOCK, draws: int = DRAWS, 
     block : wingbeats that the bootstrap keeps together
     draws : of the bootstrap
     seed : of the bootstrap
+
+    Raises
+    ------
+    InvalidInputError
+        Torques have another shape, gaps, too few wingbeats, or nothing to share.
+    InvalidParameterError
+        Block or draws are no whole numbers of at least 1.
     """
-    _refuse_gaps(torques)
-    n = len(torques)
+    by_wingbeat = _by_version(torques)
+    n = len(by_wingbeat)
     picks = _picks(n, block, draws, np.random.default_rng(seed))
-    mean = torques.mean(axis=0)
-    return torque_shares(mean, _widened(mean, torques[picks].mean(axis=1), n, block), n)
+    mean = by_wingbeat.mean(axis=0)
+    return torque_shares(mean, _widened(mean, by_wingbeat[picks].mean(axis=1), n, block), n)
 
 
 def shares_of_slope(
-    torques: Sequence[FloatArray],
-    required: Sequence[FloatArray],
+    torques: Sequence[ArrayLike],
+    required: Sequence[ArrayLike],
     block: int = BLOCK,
     draws: int = DRAWS,
     seed: int = SEED,
@@ -102,15 +110,22 @@ def shares_of_slope(
     block : wingbeats that the bootstrap keeps together, within a flight
     draws : of the bootstrap
     seed : of the bootstrap
+
+    Raises
+    ------
+    InvalidInputError
+        There is no flight, torques are not as many as those required, have gaps, too few wingbeats, or nothing to
+        share; or the torque required does not change.
+    InvalidParameterError
+        Block or draws are no whole numbers of at least 1.
     """
-    for values in (*torques, *required):
-        _refuse_gaps(values)
+    flights = _flights(torques, required)
     rng = np.random.default_rng(seed)
-    picks = [_picks(len(r), block, draws, rng) for r in required]
-    drawn = [_sums(N[i], R[i]) for N, R, i in zip(torques, required, picks, strict=True)]
-    as_is = [_sums(N[None], R[None]) for N, R in zip(torques, required, strict=True)]
+    picks = [_picks(len(R), block, draws, rng) for _, R in flights]
+    drawn = [_sums(N[i], R[i]) for (N, R), i in zip(flights, picks, strict=True)]
+    as_is = [_sums(N[None], R[None]) for N, R in flights]
     slopes, slope = (np.sum([p for p, _ in s], axis=0) / np.sum([q for _, q in s], axis=0) for s in (drawn, as_is))
-    n = sum(map(len, required))
+    n = sum(len(R) for _, R in flights)
     return torque_shares(slope[0], _widened(slope[0], slopes, n, block), n)
 
 
@@ -143,8 +158,19 @@ def shares_of_collapsed(
 
 
 def torque_shares(values: FloatArray, draws: FloatArray, wingbeats: int) -> TorqueShares:
-    """Shares from the eight values (8,) and those of the bootstrap's draws (d, 8)."""
+    """Shares from the eight values (8,) and those of the bootstrap's draws (d, 8).
+
+    Raises
+    ------
+    InvalidInputError
+        The wings as measured do no more than symmetrised ones.
+    """
     plain, drawn = Factorial(values=values), Factorial(values=draws)
+    if plain.total == 0:
+        raise InvalidInputError(
+            "There is no torque to share: with all asymmetries it is exactly what it is with none; give the wingbeats "
+            "of a turn."
+        )
     total = _interval(plain.total, drawn.total)
     bounded = total.low > 0 or total.high < 0
 
@@ -177,6 +203,41 @@ def _interval(value: FloatArray, draws: FloatArray) -> Interval:
     return Interval(value=float(value), low=float(low), high=float(high))
 
 
+def _by_version(torques: ArrayLike) -> FloatArray:
+    """(n, 8), without gaps."""
+    array = np.asarray(torques, dtype=np.float64)
+    if array.ndim != 2 or array.shape[1] != len(VERSIONS):
+        raise InvalidInputError(
+            f"Torques must have a row for each wingbeat and a column for each of the {len(VERSIONS)} versions, got "
+            f"shape {array.shape}."
+        )
+    _refuse_gaps(array)
+    return array
+
+
+def _flights(torques: Sequence[ArrayLike], required: Sequence[ArrayLike]) -> list[tuple[FloatArray, FloatArray]]:
+    """Torques (n, 8) and those required (n,) of each flight."""
+    if not len(torques) == len(required) > 0:
+        raise InvalidInputError(
+            "A slope needs at least one flight, and as many arrays of torques as of torques required, got "
+            f"{len(torques)} and {len(required)}."
+        )
+    flights = [(_by_version(N), np.asarray(R, dtype=np.float64)) for N, R in zip(torques, required, strict=True)]
+    for number, (N, R) in enumerate(flights):
+        if R.shape != (len(N),):
+            raise InvalidInputError(
+                f"Flight {number} has torques of {len(N)} wingbeats and required torques of shape {R.shape}; give one "
+                "of each a wingbeat."
+            )
+        _refuse_gaps(R)
+    if all(np.ptp(R) == 0 for _, R in flights if len(R)):
+        raise InvalidInputError(
+            "A slope needs a required torque that changes from wingbeat to wingbeat, and this one is the same in all "
+            "of every flight; take flights with turns."
+        )
+    return flights
+
+
 def _refuse_gaps(torques: FloatArray) -> None:
     if not np.all(np.isfinite(torques)):
         raise InvalidInputError(
@@ -187,6 +248,9 @@ def _refuse_gaps(torques: FloatArray) -> None:
 
 def _picks(n: int, block: int, draws: int, rng: np.random.Generator) -> NDArray[np.intp]:
     """Indices (draws, n); a short turn needs shorter blocks, or all draws would be alike."""
+    for name, value in (("block", block), ("draws", draws)):
+        if not (isinstance(value, int | np.integer) and value >= 1):
+            raise InvalidParameterError(f"{name} of the bootstrap must be a whole number of at least 1, got {value!r}.")
     if n < FEWEST:
         raise InvalidInputError(f"Intervals over wingbeats need {FEWEST} of them or more, got {n}; take a longer turn.")
     return wrapped_blocks(n, _length(n, block), draws, rng)

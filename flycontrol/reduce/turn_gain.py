@@ -76,8 +76,13 @@ class TurnGain:
         return self.ratio / self.speeds.mean
 
     def __getitem__(self, name: str) -> TurnGainFactor:
-        """A factor by its name."""
-        return next(one for one in self.factors if one.name == name)
+        """A factor by its name; InvalidParameterError, a KeyError's sentence, if there is none."""
+        for one in self.factors:
+            if one.name == name:
+                return one
+        raise InvalidParameterError(
+            f"No factor is named {name!r}; there are {', '.join(one.name for one in self.factors)}."
+        )
 
 
 def turn_gain(experiment: YawExperiment) -> TurnGain:

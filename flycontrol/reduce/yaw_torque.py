@@ -48,8 +48,10 @@ class YawExperiment:
             )
         if not abs(float(np.linalg.norm(self.axis_S)) - 1.0) < 1e-9:
             raise InvalidParameterError(f"YawExperiment.axis_S must be a unit vector, got {self.axis_S!r}.")
-        if not self.instants >= 100:
-            raise InvalidParameterError(f"YawExperiment.instants must be at least 100, got {self.instants!r}.")
+        if not (isinstance(self.instants, int | np.integer) and self.instants >= 100):
+            raise InvalidParameterError(
+                f"YawExperiment.instants must be a whole number of at least 100, got {self.instants!r}."
+            )
 
     @property
     def difference(self) -> float:
@@ -58,6 +60,10 @@ class YawExperiment:
 
     def torques(self, yaw_rate: float = 0.0, d_alpha: float = 0.0) -> dict[Term, float]:
         """Mean torque about the axis by term of the air [N m], at a yaw rate [rad/s] and a paddling angle [rad]."""
+        if not (np.isfinite(yaw_rate) and np.isfinite(d_alpha)):
+            raise InvalidParameterError(
+                f"A yaw torque needs a finite yaw rate and paddling angle, got {yaw_rate!r} rad/s and {d_alpha!r} rad."
+            )
         loads = self._loads(yaw_rate, d_alpha)
         axis = np.array(self.axis_S)
         return {

@@ -82,5 +82,5 @@ def test_what_lanes_cannot_share_is_refused():
         simulate_flights([replace(plan, fly=replace(FLY, left=sprung))], 1)
     with pytest.raises(InvalidParameterError, match="must share"):
         simulate_flights([plan, replace(plan, fly=replace(FLY, air=QuasiSteadyModel(nodes=8)))], 1)
-    with pytest.raises(InvalidParameterError, match="a plan and a wingbeat"):
+    with pytest.raises(InvalidParameterError, match="needs a plan, got none"):
         simulate_flights([], 1)

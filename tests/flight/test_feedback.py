@@ -23,7 +23,7 @@ from controlled_fly import (
 from flycontrol.errors import InvalidParameterError
 from flycontrol.flight.feedback import Sampling, YawFeedback
 from flycontrol.flight.feedback_flight import controlled_flight
-from flycontrol.flight.multibody.freedoms import Hinge
+from flycontrol.flight.multibody.freedoms import HELD, Hinge
 from flycontrol.flight.sensors import Haltere, IdealSensor
 from flycontrol.flight.simulate import simulate_flight
 from flycontrol.model.hinge import DampedSpring
@@ -143,8 +143,13 @@ def test_what_cannot_be_controlled_is_refused_in_a_sentence():
         flown(feedback(delay=0.0), pulse())
     with pytest.raises(InvalidParameterError, match="both pitch joints"):
         controlled_flight(deaf, STROKE, feedback(), 1)
-    with pytest.raises(InvalidParameterError, match="at least one wingbeat"):
-        controlled_flight(TETHERED, STROKE, feedback(), 0)
+    for wingbeats in (0, 2.5, float("nan"), "3"):
+        with pytest.raises(InvalidParameterError, match="at least one wingbeat, and whole ones, got"):
+            controlled_flight(TETHERED, STROKE, feedback(), wingbeats)
+    with pytest.raises(InvalidParameterError, match="this one's yaw is held"):
+        controlled_flight(replace(TETHERED, body=HELD), STROKE, feedback(), 1)
+    with pytest.raises(InvalidParameterError, match=r"PDController or a PIDController, got \(0.03, 0.0004\)"):
+        feedback(gains=(0.03, 0.0004))
     with pytest.raises(InvalidParameterError, match="delay must be >= 0"):
         YawFeedback(gains=gains(), delay=float("nan"))
     with pytest.raises(InvalidParameterError, match="limit must be > 0"):
@@ -160,3 +165,20 @@ def test_a_flight_that_diverges_keeps_what_was_flown_and_says_why():
     assert not thrown.trajectory.complete
     assert "stopped in wingbeat" in thrown.trajectory.status
     assert len(thrown.command) == len(thrown.trajectory.time)
+
+
+@pytest.mark.parametrize("fly", [simulate_flight, lambda *a, **k: controlled_flight(*a[:2], feedback(), *a[2:], **k)])
+def test_a_pulse_that_never_acts_is_refused_and_one_that_does_so_in_part_is_not(fly):
+    late, early, partly = (replace(pulse(), start=start / FREQUENCY) for start in (2.0, -1.0, 1.5))
+    for idle in (late, early):
+        with pytest.raises(
+            InvalidParameterError, match=r"during the flight of 2 wingbeats, 0 to 0.00909091 s, got one"
+        ):
+            fly(TETHERED, STROKE, 2, pulses=[idle], settings=QUICK)
+    fly(TETHERED, STROKE, 2, pulses=[partly], settings=QUICK)
+
+
+def test_means_of_other_values_than_the_flights_are_refused():
+    flight = controlled_flight(TETHERED, STROKE, feedback(), 2, settings=QUICK)
+    with pytest.raises(InvalidParameterError, match=r"each of the flight's 101 instants, got shape \(20,\)"):
+        flight.averaged(flight.yaw[:20])

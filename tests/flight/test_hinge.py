@@ -235,3 +235,23 @@ def test_what_cannot_be_a_hinge_or_a_passive_wingbeat_is_refused(beat):
     cut = replace(beat.trajectory, time=beat.trajectory.time[:799])
     with pytest.raises(InvalidInputError, match="whole wingbeats of 800 samples, got 799"):
         pitch_torques(FLUTTERING, cut)
+    with pytest.raises(InvalidParameterError, match="'left' or the 'right' wing, got 'middle'"):
+        pitch_torques(FLUTTERING, beat.trajectory, side="middle")
+    for stiffness in (0.0, -1e-9, float("nan")):
+        with pytest.raises(InvalidParameterError, match="finite and > 0 N m/rad, got"):
+            rest_angle(pitch_torques(FLUTTERING, beat.trajectory), stiffness)
+    for rate in (float("nan"), float("inf")):
+        with pytest.raises(InvalidParameterError, match="finite yaw rate in rad/s"):
+            passive_wingbeat(FLUTTERING, SYMMETRIC, yaw_rate=rate)
+
+
+@pytest.mark.parametrize("measure", [biased_wingbeat, hinge_transmission])
+@pytest.mark.parametrize("bias", [5, -100 * deg, float("nan")])
+def test_a_bias_that_cannot_be_in_radians_is_refused(measure, bias):
+    with pytest.raises(InvalidParameterError, match=r"in radians, within \+-pi/2, got .*; write 5 \* deg"):
+        measure(NEAR_THE_EDGE, SYMMETRIC, SPRING, bias=bias)
+
+
+def test_a_transmission_over_no_bias_is_refused():
+    with pytest.raises(InvalidParameterError, match="a bias other than 0 rad"):
+        hinge_transmission(NEAR_THE_EDGE, SYMMETRIC, SPRING, bias=0.0)

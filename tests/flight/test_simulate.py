@@ -209,6 +209,12 @@ def test_a_step_too_coarse_is_refused_with_the_steps_that_would_do():
         simulate_flight(fly, SYMMETRIC, 1, settings=MarchSettings(steps=40, samples=10, tolerance=1e-5))
 
 
+@pytest.mark.parametrize("wingbeats", [0, 1.5, float("nan"), "3"])
+def test_other_than_whole_wingbeats_are_refused(wingbeats):
+    with pytest.raises(InvalidParameterError, match="at least one wingbeat, and whole ones, got"):
+        simulate_flight(FLY, SYMMETRIC, wingbeats)
+
+
 def test_a_diverging_flight_stops_and_keeps_what_it_has():
     fly = replace(FLY, air=QuasiSteadyModel(terms=()))
     kick = BodyPulse(start=2.5 / FREQUENCY, duration=1.0, force_S=(1.0, 0.0, 0.0))

@@ -31,7 +31,7 @@ def inertias(draw, mass, length):
 
 @st.composite
 def morphologies(draw):
-    mass, length = 10 ** draw(st.floats(-8.5, -1.5)), 10 ** draw(st.floats(-3.5, -0.5))
+    mass, length = 10 ** draw(st.floats(-8.5, -1.5)), 10 ** draw(st.floats(-3.5, -0.75))
     mean_chord, axis = length / draw(st.floats(1.0, 20.0)), draw(st.floats(0.0, 1.0))
     r2, table = draw(st.floats(0.45, 0.7)), draw(st.none() | chord_tables())
     plan = Planform(length=length, mean_chord=mean_chord, second_moment_radius=r2, table=table)

@@ -156,7 +156,7 @@ WING = wing("2.4 ug", (1.27, -0.19), (2.2e-16, 4.7e-15, 4.9e-15, 6e-16))
         ('mass = { value = "1 mg", surce = "x" }', "the nearest known key is mass.source"),
         ('mass = { value = "1 mg", source = "cheng09" }', "the nearest is 'cheng2009'"),
         ('mass = { value = "1 mg", certainty = "sure" }', "'S', 'S2', 'C' or 'user'"),
-        ('wing_length = "-2.4 mm"', "outside the plausible 0.1 mm to 1 m"),
+        ('wing_length = "-2.4 mm"', "outside the plausible 0.1 mm to 200 mm"),
         ('mean_chord = "0.7 m"', "outside the plausible 0.5 to 30"),
         ('mean_chord = "-0.7 mm"', "mean chords long"),
         (

@@ -103,6 +103,8 @@ def test_what_cannot_be_recorded_is_refused_in_a_sentence():
         simulated_trial(turning(), "one", PULSE, noise=CameraNoise(yaw=deg))
     with pytest.raises(InvalidParameterError, match="must be >= 0 rad"):
         CameraNoise(yaw=-1.0)
+    with pytest.raises(InvalidParameterError, match="finite stroke plane angle in rad, got nan"):
+        simulated_recording(turning(), "one", stroke_plane_angle=float("nan"))
     trial = simulated_trial(turning(), "one", PULSE)
     with pytest.raises(InvalidInputError, match="Two simulated trials"):
         simulated_trial_files([trial, trial])

@@ -94,3 +94,27 @@ def test_a_stroke_that_turns_by_itself_is_refused():
     stroke: StrokeKinematics = trim().kinematics.modulated(*paddling(0.1))
     with pytest.raises(InvalidParameterError, match="symmetrise them first"):
         yaw_decay(FLY, stroke)
+
+
+def test_a_kick_to_the_left_decays_as_one_to_the_right():
+    """The mirror image of a fly with wings alike: the same flight but for the sign of its rate."""
+    right, left = (yaw_decay(FLY, trim().kinematics, rate=rate, phases=[0.25]) for rate in (1.0, -1.0))
+    np.testing.assert_allclose(left.rates, -right.rates, rtol=1e-9)
+    np.testing.assert_allclose(left.first_halves, right.first_halves, rtol=1e-9)
+    assert left.half_life == pytest.approx(right.half_life, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"rate": 0.0}, "a finite rate other than 0 rad/s, got 0.0"),
+        ({"rate": float("nan")}, "a finite rate other than 0 rad/s, got nan"),
+        ({"phases": 0.5}, r"a list of at least one phase, got 0.5; write phases=\[0.25\]"),
+        ({"phases": []}, r"at least one phase, got \[\]"),
+        ({"phases": [1.0]}, "must lie in 0..1 wingbeats"),
+        ({"freedom": "roll"}, "freedom 'yaw' or 'all', got 'roll'"),
+    ],
+)
+def test_what_is_no_kick_is_refused_in_a_sentence(changes, sentence):
+    with pytest.raises(InvalidParameterError, match=sentence):
+        yaw_decay(FLY, trim().kinematics, **changes)

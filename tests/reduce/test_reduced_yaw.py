@@ -96,3 +96,12 @@ def test_what_was_published_is_set_beside_in_words():
     far = next(one for one in beside_published(reduced(1.2)) if one.name == "mu")
     assert far.agreement == "100% above the high end of the published range"
     assert {source.source for row in rows.values() for source in row.sources} <= set(references())
+
+
+def test_degrees_for_radians_and_numbers_for_gains_are_refused():
+    for pitch in (55, -91 * deg, float("nan")):
+        with pytest.raises(InvalidParameterError, match=r"in radians, within \+-pi/2, got .*; write 55 \* deg"):
+            reduced_yaw(FLY, trim().kinematics, body_pitch=pitch)
+    for scaled in (reduced(0.6).by_paddling, reduced(0.6).by_hinge):
+        with pytest.raises(InvalidParameterError, match=r"a PDController or a PIDController, got 0\.03"):
+            scaled(0.03)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from reduced_fly import FLY
 
-from flycontrol.errors import InvalidInputError
+from flycontrol.errors import InvalidInputError, InvalidParameterError
 from flycontrol.model.collapsed_wingbeats import CollapsedWingbeats
 from flycontrol.model.stroke import ANGLES
 from flycontrol.model.symmetrised import VERSIONS
@@ -122,3 +122,49 @@ def test_what_quiet_wingbeats_have_too_is_no_part_of_the_turn():
 def test_too_few_wingbeats_have_no_interval(count):
     with pytest.raises(InvalidInputError, match="need 4 of them"):
         shares_of_mean(additive(np.tile(PARTS, (count, 1))))
+
+
+def test_a_list_is_as_good_as_an_array():
+    torques = noisy(12, np.random.default_rng(6))
+    assert shares_of_mean(torques.tolist()) == shares_of_mean(torques)
+
+
+@pytest.mark.parametrize("asked", [{"block": 0}, {"block": -3}, {"block": 1.5}, {"draws": 0}, {"draws": "400"}])
+def test_a_bootstrap_of_no_draws_or_blocks_is_refused(asked):
+    (name,) = asked
+    with pytest.raises(
+        InvalidParameterError, match=f"{name} of the bootstrap must be a whole number of at least 1, got"
+    ):
+        shares_of_mean(noisy(12, np.random.default_rng(7)), **asked)
+
+
+@pytest.mark.parametrize(
+    ("torques", "sentence"),
+    [
+        (np.zeros((12, 8)), "no torque to share"),
+        (np.full((12, 8), 3e-10), "no torque to share"),
+        (np.ones((12, 7)), r"got shape \(12, 7\)"),
+        (np.ones(8), r"got shape \(8,\)"),
+        (np.full((12, 8), np.nan), "must be finite, got 96 that are not"),
+    ],
+)
+def test_torques_without_shares_are_refused(torques, sentence):
+    with pytest.raises(InvalidInputError, match=sentence):
+        shares_of_mean(torques)
+
+
+@pytest.mark.parametrize(
+    ("flights", "required", "sentence"),
+    [
+        ([], [], "at least one flight, and as many arrays of torques as of torques required, got 0 and 0"),
+        ([12, 12], [12], "got 2 and 1"),
+        ([12], [11], r"Flight 0 has torques of 12 wingbeats and required torques of shape \(11,\)"),
+        ([12], [np.ones(12)], "a required torque that changes"),
+        ([12], [np.full(12, np.nan)], "must be finite"),
+    ],
+)
+def test_a_slope_over_nothing_is_refused(flights, required, sentence):
+    rng = np.random.default_rng(8)
+    needed = [rng.normal(size=r) if isinstance(r, int) else r for r in required]
+    with pytest.raises(InvalidInputError, match=sentence):
+        shares_of_slope([noisy(n, rng) for n in flights], needed)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from reduced_fly import MELANOGASTER, fry_hover, hover, hydei_wingbeat, sweeping, wiggling
 
+from flycontrol.errors import InvalidParameterError
 from flycontrol.model.wing_stroke import BermanWangStroke
 from flycontrol.reduce.turn_gain import drag_slope, turn_gain
 from flycontrol.reduce.yaw_torque import YawExperiment
@@ -85,3 +86,8 @@ def test_the_mean_speed_of_a_stroke_is_twice_its_span_a_wingbeat():
     assert isinstance(stroke, BermanWangStroke)
     assert found.mean == pytest.approx(4 * stroke.stroke_amplitude * experiment.kinematics.frequency, rel=1e-5)
     assert found.mean < found.rms < found.by_drag < found.largest
+
+
+def test_a_factor_that_is_not_there_is_refused_with_the_names_of_those_that_are():
+    with pytest.raises(InvalidParameterError, match="No factor is named 'nothing'; there are waveform, pitch"):
+        turn_gain(sweeping())["nothing"]

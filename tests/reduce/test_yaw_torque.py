@@ -95,3 +95,12 @@ def test_a_stroke_that_changes_between_wingbeats_is_refused():
         YawExperiment(fly=FLY, kinematics=ramped)
     with pytest.raises(InvalidParameterError, match="unit vector"):
         YawExperiment(fly=FLY, kinematics=stroke, axis_S=(0.0, 0.0, 2.0))
+
+
+def test_a_torque_that_is_none_and_half_an_instant_are_refused():
+    for asked in ({"yaw_rate": float("nan")}, {"d_alpha": float("inf")}):
+        with pytest.raises(InvalidParameterError, match="finite yaw rate and paddling angle"):
+            hover().torque(**asked)
+    for instants in (2000.5, 3, "2000"):
+        with pytest.raises(InvalidParameterError, match="whole number of at least 100, got"):
+            replace(hover(), instants=instants)
