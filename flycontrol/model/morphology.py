@@ -50,8 +50,8 @@ class Morphology:
             value = getattr(self, name)
             if not low <= value <= high:  # `not <=` also refuses NaN
                 raise InvalidParameterError(
-                    f"Morphology.{name} is in {unit} and, of anything that flaps, {low:g} to {high:g}, got {value!r}; "
-                    f"write {example} (flycontrol.units)."
+                    f"Morphology.{name} must lie in {low:g}..{high:g} {unit}, as that of anything that flaps does, got "
+                    f"{value!r}; write {example} (flycontrol.units)."
                 )
         if not 0.4 < self.second_moment_radius < 0.8:
             raise InvalidParameterError(
