@@ -146,6 +146,42 @@ def test_what_a_failed_analysis_said_is_kept_and_its_message_is_whole(place):
     assert "elsewhere gave no result: other.json holds claims, which are read from elsewhere.json alone" in said
     assert "slow gave no result: it was ended after 6 s" in said
     assert 'raise ValueError("one' in (place.folder / "page" / "kept" / "lost.log").read_text()
+    assert f"is in {Path('page', 'kept')}: lost.log, slow.log, torn.log\n" in said
+
+
+def test_the_page_names_no_place_and_the_command_line_the_real_one(place):
+    asks = "import os, sys\ndata = os.environ['FLYCONTROL_DATA']\n"
+    lost = asks + "sys.exit(f'There is no box in {data}; look in {data}/a.')"
+    (place.folder / "analyses" / "lost.py").write_text(lost)
+    (place.folder / "measured").mkdir()
+    status, said = place.run("--out", "page", "--data", "measured")
+    data = place.folder / "measured"
+    assert status == 1
+    assert f"lost gave no result: There is no box in {data}; look in {data}/a.\n" in said
+    page = (place.folder / "page" / "index.html").read_text()
+    assert "There is no box in the folder of real measurements; look in FLYCONTROL_DATA/a." in page
+    assert str(place.folder) not in page
+
+
+def test_old_results_of_analyses_that_fail_or_are_no_more_go_and_what_lies_there_otherwise_is_told(place):
+    for name in ("breaks", "gone", "later"):
+        place.analysis(name)
+    assert place.run("--out", "page")[0] == 0
+    (place.folder / "page" / "breaks" / "mine.txt").write_text("by hand")
+    (place.folder / "analyses" / "breaks.py").write_text("raise SystemExit('broken')")
+    (place.folder / "analyses" / "gone.py").unlink()
+    (place.folder / "analyses" / "validation.toml").write_text('[left_out]\nlater = "too long"\n')
+    place.analysis("new")
+    status, said = place.run("--out", "page")
+    assert status == 1
+    files = {path.relative_to(place.folder / "page").as_posix() for path in (place.folder / "page").rglob("*.*")}
+    assert {file for file in files if not file.startswith("kept/")} == {
+        "index.html", "result.json", "breaks/mine.txt", "later/later.json", "later/later.md",
+        "new/new.json", "new/new.md",
+    }  # fmt: skip
+    assert "breaks gave no result: broken\n" in said
+    page = (place.folder / "page" / "index.html").read_text()
+    assert "broken (What lies in its folder is not of this run.)" in page
 
 
 def test_a_changed_file_beside_the_analyses_makes_them_run_again_and_old_results_go(place):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Generator
 from contextlib import contextmanager
@@ -58,15 +59,16 @@ def validate(
 ) -> None:
     """Run every analysis and put each claim of the review beside what it finds, those that fail too.
 
-    Finished analyses are kept: an interrupted run goes on, a repeated one runs only what has changed. Exit status 0:
-    all were run; 1: some could not be, and the page says why; 2: refused.
+    Finished analyses are kept: an interrupted run goes on, a repeated one runs only what has changed. What an earlier
+    run wrote for an analysis that fails now, or is there no more, is removed unless somebody changed it. Exit status
+    0: all were run; 1: some could not be, and the page says why; 2: refused.
 
     Example: flycontrol validate --out reports/validation
     """
     from flycontrol.io.analyses import read_analyses
     from flycontrol.jobs.files import require_writable_folder
     from flycontrol.jobs.processes import ProcessPool
-    from flycontrol.jobs.scripts import run_scripts
+    from flycontrol.jobs.scripts import forget_other_scripts, run_scripts
 
     started = time.perf_counter()
     if not out.strip():
@@ -85,6 +87,7 @@ def validate(
             scripts, kept, at_once=ProcessPool(workers).count, environment=environment, limit=60.0 * limit,
             progress=_told(progress),
         )  # fmt: skip
+    forget_other_scripts(kept, {analysis.name for analysis in found.analyses} | set(found.left_out), own)
     failures = _reported(found, ends, own, folder, measured)
     run = sum(not end.kept for end in ends)
     say(
@@ -93,8 +96,8 @@ def validate(
     )
     for failure in failures:
         say(failure)
-    if any(end.failure for end in ends):
-        say(f"all that an analysis without result said is in {kept}, in a file .log of its name")
+    if logs := [f"{end.name}.log" for end in ends if end.failure]:
+        say(f"what analyses that did not finish said, the end of it, is in {kept}: {', '.join(logs)}")
     if failures:
         raise typer.Exit(INCOMPLETE)
 
@@ -167,7 +170,8 @@ def _reported(found: Analyses, ends: list[ScriptEnd], reports: Path, out: Path, 
         data_sha256=measured.sha256,
     )
     write_validation_report(validation, out, command="flycontrol validate")
-    return [f"{finding.name} gave no result: {finding.failure}" for finding in validation.failed]
+    said = {end.name: end.failure for end in ends}  # names real places, unlike the page
+    return [f"{one.name} gave no result: {said[one.name] or one.failure}" for one in validation.failed]
 
 
 def _finding(analysis: Analysis, end: ScriptEnd, reports: Path, out: Path, data: Path | None) -> Finding:
@@ -177,6 +181,8 @@ def _finding(analysis: Analysis, end: ScriptEnd, reports: Path, out: Path, data:
 
     folder, claims = reports / analysis.name, ()
     failure = _without_places(end.failure, data, analysis.path.parent)
+    if failure and folder.is_dir() and any(path.is_file() for path in folder.rglob("*")):
+        failure += " (What lies in its folder is not of this run.)"
     links = {} if failure else _links(folder, analysis.name, out)
     if not failure:
         try:
@@ -189,8 +195,6 @@ def _finding(analysis: Analysis, end: ScriptEnd, reports: Path, out: Path, data:
 
 def _links(folder: Path, name: str, out: Path) -> dict[str, str]:
     """What an analysis wrote, by kind, as seen from the page."""
-    import os
-
     paths = {kind: folder / f"{name}{ending}" for kind, ending in _KINDS.items()}
     here = out.resolve()
     return {
@@ -201,7 +205,8 @@ def _links(folder: Path, name: str, out: Path) -> dict[str, str]:
 def _without_places(failure: str, data: Path | None, folder: Path) -> str:
     """A page names no machine and no user."""
     if data is not None:
-        failure = failure.replace(str(data), "FLYCONTROL_DATA")
+        failure = failure.replace(f"{data}{os.sep}", "FLYCONTROL_DATA/")
+        failure = failure.replace(str(data), "the folder of real measurements")
     return failure.replace(str(folder.resolve()), folder.name)
 
 

@@ -56,9 +56,12 @@ def read_analyses(folder: Path) -> Analyses:
         )
     settings = _settings(folder)
     names = sorted(path.stem for path in folder.glob("*.py") if not path.stem.startswith("_"))
-    for name in (*settings.first, *settings.left_out):
-        if name not in names:
-            raise InvalidInputError(f"{folder / SETTINGS} names {name}, but {folder} holds no {name}.py.")
+    missing = [name for name in dict.fromkeys([*settings.first, *settings.left_out]) if name not in names]
+    if missing:
+        raise InvalidInputError(
+            f"{folder / SETTINGS} names {', '.join(missing)}, but {folder} holds no "
+            f"{', '.join(f'{name}.py' for name in missing)}; put the files there, or take the names out."
+        )
     wanted = [name for name in dict.fromkeys([*settings.first, *names]) if name not in settings.left_out]
     if not wanted:
         raise InvalidInputError(f"{folder} holds no analysis; name another folder by --analyses.")

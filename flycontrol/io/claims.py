@@ -55,7 +55,7 @@ def read_claims(path: Path) -> tuple[Claim, ...] | None:
     if not isinstance(found, dict) or "claims" not in found:
         return None
     if not isinstance(found["claims"], list):
-        raise InvalidInputError(f"{path.name}: claims must be a list.")
+        raise InvalidInputError(f"{path.name}: claims must be a list, got {_shown(found['claims'])}.")
     return tuple(_claim(entry, f"{path.name}, claim {number}") for number, entry in enumerate(found["claims"], start=1))
 
 
@@ -75,8 +75,11 @@ def refuse_misplaced_claims(folder: Path, name: str) -> None:
 
 def _claim(entry: object, where: str) -> Claim:
     known = [field.name for field in fields(Claim)]
-    if not isinstance(entry, dict) or not all(isinstance(value, str) for value in entry.values()):
-        raise InvalidInputError(f"{where} must be an object of texts.")
+    if not isinstance(entry, dict):
+        raise InvalidInputError(f"{where} must be an object of texts, got {_shown(entry)}.")
+    for name, value in entry.items():
+        if not isinstance(value, str):
+            raise InvalidInputError(f"{where}: {name} must be a text, got {_shown(value)}; write it in quotes.")
     missing = [name for name in _NEEDED if not entry.get(name, "").strip()]
     unknown = [name for name in entry if name not in known]
     if missing or unknown:
@@ -88,3 +91,9 @@ def _claim(entry: object, where: str) -> Claim:
     if entry.get("basis", "") not in get_args(Basis):
         raise InvalidInputError(f"{where}: basis is one of {', '.join(get_args(Basis))[:-2]}, got '{entry['basis']}'.")
     return Claim(**entry)
+
+
+def _shown(value: object) -> str:
+    """As the file has it, cut where it is long."""
+    text = json.dumps(value, ensure_ascii=False)
+    return text if len(text) <= 60 else f"{text[:50]} ..."

@@ -13,6 +13,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from flycontrol.jobs.said import Said
+
 _ONE_THREAD = (
     "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS", "NUMBA_NUM_THREADS",
 )  # fmt: skip
@@ -24,6 +26,7 @@ class ScriptRun:
 
     process: subprocess.Popen[bytes]
     own: Path  #: folder of this run alone
+    said: Said  #: on standard output and standard error
     started: float  #: by the clock of `time.perf_counter` [s]
     seconds: float = 0.0  #: wall time, once it is over [s]
     overdue: str = ""  #: that it was ended for taking too long
@@ -32,11 +35,6 @@ class ScriptRun:
     def results(self) -> Path:
         """Folder that it writes to."""
         return self.own / "results"
-
-    @property
-    def said(self) -> Path:
-        """Its standard error."""
-        return self.own / "stderr"
 
     def has_ended(self) -> bool:
         """Look; the first time that it has, its wall time is taken."""
@@ -62,6 +60,7 @@ class ScriptRun:
             self.process.wait()
         if self.process.stdin is not None:
             self.process.stdin.close()
+        self.said.finish()
 
     def failure(self) -> str:
         """What it said last on standard error, or how else it ended; empty if it finished with results."""
@@ -72,21 +71,20 @@ class ScriptRun:
             return "" if any(path.is_file() for path in self.results.rglob("*")) else "it wrote no results"
         if status < 0:
             return f"it was killed by signal {-status}"
-        said = self.said.read_text(encoding="utf-8", errors="replace")
-        return last_words(said) or f"it ended with status {status}"
+        self.said.finish()
+        return last_words(self.said.errors()) or f"it ended with status {status}"
 
 
 def started(script: Path, own: Path, environment: Mapping[str, str]) -> ScriptRun:
     """Start a script in a session of its own, for Ctrl-C is ours to pass on; its results go to `own`/results."""
     run_folder = own / "results"
     run_folder.mkdir()
-    with (own / "stderr").open("wb") as errors:
-        process = subprocess.Popen(
-            [sys.executable, "-m", "flycontrol.jobs.script_process", str(script), str(run_folder)],
-            stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=errors,
-            env={**_surroundings(), **environment}, start_new_session=True,
-        )  # fmt: skip
-    return ScriptRun(process=process, own=own, started=time.perf_counter())
+    process = subprocess.Popen(
+        [sys.executable, "-m", "flycontrol.jobs.script_process", str(script), str(run_folder)],
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        env={**_surroundings(), **environment}, start_new_session=True,
+    )  # fmt: skip
+    return ScriptRun(process=process, own=own, said=Said(process), started=time.perf_counter())
 
 
 def last_words(said: str) -> str:
@@ -100,7 +98,11 @@ def last_words(said: str) -> str:
 
 
 def _surroundings() -> dict[str, str]:
-    """Variables of this process, one thread a script, no screen, and this very package first on the path."""
+    """Variables of this process, one thread a script, no screen, this very package first on the path.
+
+    What a script prints is passed on at once: one that hangs and is ended would take it along.
+    """
     here = str(Path(__file__).resolve().parents[2])
     paths = os.pathsep.join([here, *filter(None, [os.environ.get("PYTHONPATH")])])
-    return {**os.environ, **dict.fromkeys(_ONE_THREAD, "1"), "MPLBACKEND": "Agg", "PYTHONPATH": paths}
+    plain = {"MPLBACKEND": "Agg", "PYTHONPATH": paths, "PYTHONUNBUFFERED": "1"}
+    return {**os.environ, **dict.fromkeys(_ONE_THREAD, "1"), **plain}

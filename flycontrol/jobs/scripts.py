@@ -10,7 +10,7 @@ import shutil
 import tempfile
 import time
 from collections import deque
-from collections.abc import Generator, Iterable, Mapping, Sequence
+from collections.abc import Collection, Generator, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -42,7 +42,7 @@ class ScriptEnd:
     """How a script ended."""
 
     name: str
-    failure: str  #: what it said last on standard error; empty if it finished
+    failure: str  #: what it said last on standard error, or how else it ended; empty if it finished
     seconds: float  #: wall time of the run that made the results [s]
     kept: bool = False  #: an earlier run had finished it
 
@@ -64,14 +64,21 @@ class Kept:
             return None
         return None
 
-    def stale(self, script: Script, results: Mapping[str, bytes]) -> list[Path]:
-        """Files of its last finished run, as that run left them, that this run has not written again."""
+    def stale(self, name: str, folder: Path, results: Collection[str] = ()) -> list[Path]:
+        """Files in a script's folder that its last finished run left as they are, without those written again."""
         try:
-            before = json.loads(self._note(script).read_bytes())["results"]
-            old = {script.folder / name: found for name, found in before.items() if name not in results}
+            before = json.loads((self.folder / f"{name}.json").read_bytes())["results"]
+            old = {folder / file: found for file, found in before.items() if file not in results and _inside(file)}
+            return [path for path, found in old.items() if path.is_file() and _sha256(path) == found]
         except (OSError, ValueError, KeyError, TypeError, AttributeError):
             return []
-        return [path for path, found in old.items() if path.is_file() and _sha256(path) == found]
+
+    def forget(self, name: str, folder: Path) -> None:
+        """Remove what a script's last finished run left in its folder, unless somebody changed it, and its note."""
+        for path in self.stale(name, folder):
+            _remove(path, folder)
+        with contextlib.suppress(OSError):
+            (self.folder / f"{name}.json").unlink(missing_ok=True)
 
     def keep(self, script: Script, results: Mapping[str, bytes], seconds: float) -> None:
         """Remember that a script has finished, once its results lie in their folder."""
@@ -83,7 +90,7 @@ class Kept:
         write_files_atomically(self.folder, {self._note(script).name: json.dumps(note, indent=1) + "\n"})
 
     def log(self, name: str) -> Path:
-        """Where all that a failed script said on standard error is kept."""
+        """Where the end of what a failed script said is kept."""
         return self.folder / f"{name}.log"
 
     def _note(self, script: Script) -> Path:
@@ -102,8 +109,9 @@ def run_scripts(
     """Run scripts, `at_once` processes at a time, in their order; each on one thread.
 
     A script writes into a folder that is thrown away if it fails or is interrupted; what a finished one wrote appears
-    in its own folder at once. A script that fails hinders no other. After an interruption the finished ones are kept;
-    where this process is killed, the scripts end with it.
+    in its own folder at once, and what it left there is removed, if nobody changed it, when it fails later: old results
+    must not pass for new ones. A script that fails hinders no other. After an interruption the finished ones are kept;
+    where this process is killed, the scripts end with it. Scripts find an empty standard input.
 
     Parameters
     ----------
@@ -153,6 +161,23 @@ def run_scripts(
     return [ends[script.name] for script in scripts]
 
 
+def forget_other_scripts(kept: Path, known: Collection[str], reports: Path) -> None:
+    """Remove what scripts that there are no more left in their folders, each of its name within `reports`.
+
+    Only files that the folder of what is kept has a note of, and as they were written.
+
+    Raises
+    ------
+    OutputError
+        If the folder of what is kept is in use.
+    """
+    with locked_folder(kept):
+        shelf = Kept(kept)
+        for note in sorted(kept.glob("*.json")):
+            if note.stem not in known and shelf.stale(note.stem, reports / note.stem):
+                shelf.forget(note.stem, reports / note.stem)
+
+
 def _at_work(scripts: Iterable[Script]) -> str:
     return ", ".join(script.name for script in scripts) or "finished"
 
@@ -182,7 +207,8 @@ class _Crew:
         failure = run.failure()
         log = self.shelf.log(script.name)
         if failure:
-            shutil.copyfile(run.said, log)
+            log.write_bytes(run.said.everything() or f"It said nothing: {failure}.\n".encode())
+            self.shelf.forget(script.name, script.folder)
         else:
             self._hand_over(script, run)
             log.unlink(missing_ok=True)
@@ -197,10 +223,10 @@ class _Crew:
             for path in sorted(run.results.rglob("*"))
             if path.is_file()
         }
-        stale = self.shelf.stale(script, results)
+        stale = self.shelf.stale(script.name, script.folder, results)
         write_files_atomically(script.folder, results)
         for path in stale:
-            path.unlink(missing_ok=True)
+            _remove(path, script.folder)
         self.shelf.keep(script, results, run.seconds)
 
     def stop(self) -> None:
@@ -216,6 +242,21 @@ def _crew(crew: _Crew) -> Generator[_Crew]:
         yield crew
     finally:
         crew.stop()
+
+
+def _inside(name: str) -> bool:
+    """Whether a noted file lies within its folder."""
+    return not Path(name).is_absolute() and ".." not in Path(name).parts
+
+
+def _remove(path: Path, folder: Path) -> None:
+    """A file, and folders down to `folder` that are empty then."""
+    with contextlib.suppress(OSError):
+        path.unlink(missing_ok=True)
+        for parent in path.parents:
+            parent.rmdir()
+            if parent == folder:
+                break
 
 
 def _sha256(path: Path) -> str:

@@ -39,9 +39,9 @@ def test_an_analysis_may_state_no_claims(tmp_path, found):
     ("found", "sentence"),
     [
         ("{", "note.json is not valid JSON"),
-        ({"claims": 3}, "claims must be a list"),
-        ({"claims": ["agrees"]}, "claim 1 must be an object of texts"),
-        ({"claims": [CLAIM, CLAIM | {"ours": 0.5}]}, "claim 2 must be an object of texts"),
+        ({"claims": 3}, "claims must be a list, got 3"),
+        ({"claims": ["agrees"]}, 'claim 1 must be an object of texts, got "agrees"'),
+        ({"claims": [CLAIM, CLAIM | {"ours": 0.5}]}, "claim 2: ours must be a text, got 0.5; write it in quotes"),
         ({"claims": [CLAIM | {"ours": " "}]}, "claim 1 lacks ours"),
         ({"claims": [{"claim": "wings paddle"}]}, "claim 1 lacks published"),
         ({"claims": [CLAIM | {"mood": "good"}]}, "unknown field mood"),
@@ -73,6 +73,10 @@ def test_a_folder_of_analyses_is_read_with_questions_neighbours_and_order(tmp_pa
     [
         ({}, "holds no analysis"),
         ({"a.py": "1", "validation.toml": 'first = ["b"]'}, "names b, but .* holds no b.py"),
+        (
+            {"a.py": "1", "validation.toml": 'first = ["c", "a"]\n[left_out]\nb = "long"\nc = "long"'},
+            "names c, b, but .* holds no c.py, b.py; put the files there",
+        ),
         ({"a.py": "1", "validation.toml": 'last = ["a"]'}, "last is not a key known here"),
         ({"a.py": "1", "validation.toml": "first = [1]"}, "first.0 is 1"),
     ],

@@ -1,5 +1,7 @@
 """Scripts as processes: each once, what finished is kept, what fails hinders nobody."""
 
+import hashlib
+import json
 import os
 import signal
 import subprocess
@@ -13,9 +15,11 @@ from test_killed import is_alive, wait_until
 from flycontrol.errors import InvalidParameterError, OutputError
 from flycontrol.jobs.digest import digest_of, files_below
 from flycontrol.jobs.folder_lock import locked_folder
-from flycontrol.jobs.scripts import Script, run_scripts
+from flycontrol.jobs.said import END
+from flycontrol.jobs.scripts import Script, forget_other_scripts, run_scripts
 
 ROOT = Path(__file__).parents[2]
+FLOOD = 200_000  # lines
 WRITE = """
 import os, sys, pathlib
 with open({log!r}, "a") as log: log.write({name!r} + "\\n")
@@ -73,6 +77,65 @@ def test_how_a_script_ended_is_said_in_its_own_last_line_or_in_words(make, tmp_p
     assert [end.failure for end in ends] == [
         "it ended with status 7", "it was killed by signal 9", "it wrote no results",
     ]  # fmt: skip
+
+
+def test_the_end_of_what_a_script_printed_is_kept_even_if_it_hangs(make, tmp_path):
+    scripts = [
+        make("status", "print('no fly in the box'); sys.exit(3)"),
+        make("dumb", "sys.exit(7)"),
+        make("flood", f"sys.stdout.write('a flood\\n' * {FLOOD}); print('the end'); sys.exit(1)"),
+    ]
+    hangs = make("hangs", "print('half way'); print('slowly', file=sys.stderr); import time; time.sleep(600)")
+    ends = [*run_scripts(scripts, tmp_path / "kept", at_once=3), *run_scripts([hangs], tmp_path / "kept", limit=4.0)]
+    assert [end.failure for end in ends] == [
+        "it ended with status 3", "it ended with status 7", "it ended with status 1", "it was ended after 4 s",
+    ]  # fmt: skip
+    logs = {name: (tmp_path / "kept" / f"{name}.log").read_text() for name in ("status", "hangs", "dumb", "flood")}
+    assert logs["status"] == "no fly in the box\n"
+    assert sorted(logs["hangs"].split("\n")) == ["", "half way", "slowly"]
+    assert logs["dumb"] == "It said nothing: it ended with status 7.\n"
+    head, _, flood = logs["flood"].partition("\n")
+    assert head == f"[{8 * FLOOD + len('the end') + 1 - END} bytes before these are left out]"
+    assert len(flood) == END
+    assert flood.endswith("a flood\nthe end\n")
+
+
+def test_a_script_that_reads_finds_an_empty_input(make, tmp_path):
+    (end,) = run_scripts(
+        [make("asks", "assert sys.stdin.read() == ''\nassert os.read(0, 1) == b''")], tmp_path / "kept"
+    )
+    assert end.failure == ""
+
+
+def test_a_script_that_fails_now_leaves_no_results_of_before_but_those_that_somebody_changed(make, tmp_path):
+    below = "\nos.mkdir(sys.argv[1] + '/below'); open(sys.argv[1] + '/below/old.txt', 'w')"
+    once = make("once", below)
+    run_scripts([once, make("other")], tmp_path / "kept")
+    (once.folder / "mine.txt").write_text("by hand")
+    run_scripts([make("once", "raise ValueError('no more')", "2")], tmp_path / "kept")
+    assert [path.name for path in once.folder.rglob("*")] == ["mine.txt"]
+    assert (tmp_path / "reports" / "other" / "other.txt").exists()
+    again = make("once", identity="3")
+    run_scripts([again], tmp_path / "kept")
+    (again.folder / "once.txt").write_text("changed by hand")
+    run_scripts([make("once", "sys.exit(1)", "4")], tmp_path / "kept")
+    assert (again.folder / "once.txt").read_text() == "changed by hand"
+
+
+def test_what_scripts_that_are_no_more_left_is_removed_and_nothing_else(make, tmp_path):
+    kept, reports = tmp_path / "kept", tmp_path / "reports"
+    run_scripts([make("gone"), make("here"), make("changed")], kept)
+    (reports / "changed" / "changed.txt").write_text("by hand")
+    (reports / "mine").mkdir()
+    (reports / "mine" / "mine.txt").write_text("by hand")
+    note = {"results": {"../here/here.txt": hashlib.sha256(b"1").hexdigest()}}
+    (kept / "mine.json").write_text(json.dumps(note))
+    forget_other_scripts(kept, {"here"}, reports)
+    left = sorted(path.relative_to(reports).as_posix() for path in reports.rglob("*"))
+    assert left == ["changed", "changed/changed.txt", "here", "here/here.txt", "mine", "mine/mine.txt"]
+    assert not (kept / "gone.json").exists()
+    (end,) = run_scripts([make("here")], kept)
+    assert end.kept
 
 
 def test_an_interruption_ends_what_is_at_work_and_keeps_what_is_finished(make, tmp_path):
