@@ -58,9 +58,10 @@ def read_analyses(folder: Path) -> Analyses:
     names = sorted(path.stem for path in folder.glob("*.py") if not path.stem.startswith("_"))
     missing = [name for name in dict.fromkeys([*settings.first, *settings.left_out]) if name not in names]
     if missing:
+        what = f"no {missing[0]}.py" if len(missing) == 1 else f"no Python files of these {len(missing)} names"
         raise InvalidInputError(
-            f"{folder / SETTINGS} names {', '.join(missing)}, but {folder} holds no "
-            f"{', '.join(f'{name}.py' for name in missing)}; put the files there, or take the names out."
+            f"{folder / SETTINGS} names {', '.join(missing)}, but {folder} holds {what}; put them there, or take the "
+            "names out."
         )
     wanted = [name for name in dict.fromkeys([*settings.first, *names]) if name not in settings.left_out]
     if not wanted:

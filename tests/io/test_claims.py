@@ -75,7 +75,7 @@ def test_a_folder_of_analyses_is_read_with_questions_neighbours_and_order(tmp_pa
         ({"a.py": "1", "validation.toml": 'first = ["b"]'}, "names b, but .* holds no b.py"),
         (
             {"a.py": "1", "validation.toml": 'first = ["c", "a"]\n[left_out]\nb = "long"\nc = "long"'},
-            "names c, b, but .* holds no c.py, b.py; put the files there",
+            "names c, b, but .* holds no Python files of these 2 names; put them there",
         ),
         ({"a.py": "1", "validation.toml": 'last = ["a"]'}, "last is not a key known here"),
         ({"a.py": "1", "validation.toml": "first = [1]"}, "first.0 is 1"),
