@@ -146,7 +146,10 @@ def track(
             flight = _tracked(given, folder, form_of_file, command, kept, progress)
         kept.remove()
     from flycontrol.report.track.result import status_sentence
+    from flycontrol.vision.checks.attitude_check import upside_down
 
+    if over := upside_down(flight.track):
+        say(f"{over[0].upper()}{over[1:]}.")
     ending = f"wrote {folder / 'index.html'} and what lies beside it in {time.perf_counter() - started:.1f} s"
     say(f"{status_sentence(flight.track)} {ending}")
     if "lost" in flight.track.status:

@@ -10,6 +10,7 @@ from flycontrol.jobs.checkpoint import Checkpoint
 from flycontrol.jobs.progress import Progress, no_progress
 from flycontrol.model.camera import Camera
 from flycontrol.model.pose import Pose
+from flycontrol.vision.checks.attitude_check import upside_down
 from flycontrol.vision.checks.footage_check import FootageCheck
 from flycontrol.vision.footage import Footage
 from flycontrol.vision.smoothing import smoothed
@@ -55,5 +56,5 @@ def flight_of_film(
         frames=filmed.frames,
         sizes=found.sized.sizes,
         world=filmed.world,
-        doubt=check.doubt,
+        doubt="; ".join(filter(None, (check.doubt, upside_down(found.track)))),
     )

@@ -25,7 +25,7 @@ from flycontrol.report.track.chosen import best_frame, chosen_frames, worst_fram
 from flycontrol.report.track.curves import curves, true_rates
 from flycontrol.report.track.figures import fastest_within
 from flycontrol.report.track.page import write_track_report
-from flycontrol.report.track.result import TrackOrigin
+from flycontrol.report.track.result import TrackOrigin, tracked_result
 from flycontrol.report.track.second_look import second_look
 from flycontrol.report.track.spans import spans, tally
 from flycontrol.report.track.truth import coordinate_errors
@@ -201,6 +201,23 @@ def test_errors_against_the_truth_are_those_that_were_made(mixed):
     for error in coordinate_errors(flight, flight.truth):
         assert error.raw == pytest.approx(0.1 if error.unit == "deg" else 0.0, abs=1e-12)
         assert error.in_band == 1.0  # 0.1 deg within 1.96 times a quarter
+
+
+def test_the_numbers_beside_the_page_are_those_of_the_page(mixed):
+    """A wing that is not believed counts in neither, where its coordinates are off by 40 deg."""
+    flight, _ = mixed
+    doubts = tuple(("", "", "it is hidden" if k == 1 else "") for k in range(len(flight.track)))
+    off = flight.track.pose.coordinates.copy()
+    off[1, 9:12] += 40 * deg
+    astray = replace(flight, track=replace(
+        flight.track, doubts=doubts, pose=Pose(coordinates=off, stroke_plane_angle=flight.track.pose.stroke_plane_angle)
+    ))  # fmt: skip
+    beside = tracked_result(astray, ORIGIN, {})["error"]
+    on_page = coordinate_errors(astray, astray.truth)
+    for kind in ("raw", "smoothed"):
+        told = [getattr(each, kind) * (1.0 if each.unit == "deg" else 1000.0) for each in on_page]
+        assert list(beside[kind].values()) == pytest.approx(told, abs=1e-9)
+        assert max(told) == pytest.approx(0.1, abs=1e-9)
 
 
 def test_a_wing_that_is_not_believed_is_not_drawn_as_seen(mixed):

@@ -15,9 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flycontrol.model.camera import Camera
-from flycontrol.model.pose import COORDINATES, Pose
+from flycontrol.model.pose import COORDINATES
 from flycontrol.report.result import finite
 from flycontrol.report.track.beats import stroke_reversals
+from flycontrol.report.track.truth import rms_errors
 from flycontrol.units import deg, mm, um
 from flycontrol.vision.checks.calibration_check import CalibrationCheck
 from flycontrol.vision.tracked_flight import TrackedFlight
@@ -26,7 +27,6 @@ from flycontrol.vision.tracked_frame import STATUSES, Track
 FloatArray = NDArray[np.float64]
 
 _MADE_WITH = ("flycontrol", "numpy", "scipy", "numba", "matplotlib", "h5py", "pillow")
-_ANGLES = slice(3, 12)
 
 FIELDS: dict[str, str] = {
     "name": "of the flight",
@@ -54,7 +54,7 @@ FIELDS: dict[str, str] = {
     "calibration.pairs[].cameras[]": "two of them",
     "calibration.pairs[].shift_px": "median of |shift|: how far planes that touch the silhouettes miss each other",
     "calibration.pairs[].growth_px": "median growth of the second silhouette: thresholds that differ, parts unseen",
-    "calibration.doubt": "a sentence where the residual is large or frames are few; null: none",
+    "calibration.doubt": "a sentence: a large residual, few frames a second, a fly seen on its back; null: none",
     "fly.file": "that the sizes were taken from",
     "fly.wing_length_mm": "base to tip, as tracked",
     "fly.body_length_mm": "as tracked",
@@ -65,8 +65,9 @@ FIELDS: dict[str, str] = {
     "uncertainty.raw.*": "median standard deviation of each coordinate, frame by frame; um or deg",
     "uncertainty.smoothed.*": "likewise of the smoothed coordinates",
     "set_aside.*": "numbers of frames in which a coordinate was seen but is too far from its neighbours to count",
-    "error.raw.*": "root mean square against the truth of a simulated flight, frames with coordinates; um or deg",
-    "error.smoothed.*": "likewise of the smoothed coordinates",
+    "error.raw.*": "root mean square against the truth of a simulated flight, frames tracked or partial, a wing's "
+    "over those of them in which it was seen; um or deg",
+    "error.smoothed.*": "of the smoothed coordinates, all frames tracked or partial",
     "anipose": "why there is no cameras.toml; null: there is one",
     "files.*": "what lies beside this file",
     "provenance.command": "that made this",
@@ -205,18 +206,8 @@ def _set_aside(flight: TrackedFlight) -> dict[str, list[int]]:
 def _errors(flight: TrackedFlight) -> dict[str, Any]:
     if flight.truth is None:
         return {}
-    return {"error": {
-        "raw": _per_coordinate(rms_error(flight.track.pose, flight.truth)),
-        "smoothed": _per_coordinate(rms_error(flight.smoothed.pose, flight.truth)),
-    }}  # fmt: skip
-
-
-def rms_error(pose: Pose, truth: Pose) -> FloatArray:
-    """(18,) root mean square over the frames that have coordinates, angles within half a turn [m, rad]."""
-    away = pose.coordinates - truth.coordinates
-    away[:, _ANGLES] = (away[:, _ANGLES] + np.pi) % (2 * np.pi) - np.pi
-    known = away[np.all(np.isfinite(away), axis=1)]
-    return np.sqrt(np.mean(known**2, axis=0)) if len(known) else np.full(len(COORDINATES), np.nan)
+    raw, smooth = rms_errors(flight, flight.truth)
+    return {"error": {"raw": _per_coordinate(raw), "smoothed": _per_coordinate(smooth)}}
 
 
 def _median(values: FloatArray) -> FloatArray:

@@ -24,7 +24,7 @@ AIMS = {3: 1.0, 4: 1.0, 5: 3.0, 6: 2.0, 7: 2.0, 8: 5.0, 9: 2.0, 10: 2.0, 11: 5.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CoordinateError:
-    """One coordinate, over the frames in which the fly was seen [mm, deg]."""
+    """One coordinate, over the frames in which the fly was seen, and a wing's as it was itself seen [mm, deg]."""
 
     name: str
     unit: str
@@ -36,11 +36,8 @@ class CoordinateError:
 
 def coordinate_errors(flight: TrackedFlight, truth: Pose) -> list[CoordinateError]:
     """All coordinates, in the order of the pose's columns; NaN where the fly was never seen."""
+    raw, smooth = _differences(flight, truth)
     seen = flight.track.believed
-    raw, smooth = (
-        _apart(pose.coordinates, truth.coordinates)[seen] for pose in (flight.track.pose, flight.smoothed.pose)
-    )
-    raw = np.where(coordinates_seen(flight.track)[seen], raw, np.nan)
     inside = np.abs(smooth) <= SIGMAS * flight.smoothed.uncertainty[seen]
     known = np.all(np.isfinite(smooth), axis=1)
     return [
@@ -54,6 +51,21 @@ def coordinate_errors(flight: TrackedFlight, truth: Pose) -> list[CoordinateErro
         )
         for j, name in enumerate(NAMES)
     ]
+
+
+def rms_errors(flight: TrackedFlight, truth: Pose) -> tuple[FloatArray, FloatArray]:
+    """(18,) root mean squares of `coordinate_errors`, raw and smoothed [m, rad]."""
+    raw, smooth = (np.array([_rms(away) for away in each.T]) for each in _differences(flight, truth))
+    return raw, smooth
+
+
+def _differences(flight: TrackedFlight, truth: Pose) -> tuple[FloatArray, FloatArray]:
+    """(M, 18) of the frames in which the fly was seen, raw and smoothed; NaN where a wing was not, raw."""
+    seen = flight.track.believed
+    raw, smooth = (
+        _apart(pose.coordinates, truth.coordinates)[seen] for pose in (flight.track.pose, flight.smoothed.pose)
+    )
+    return np.where(coordinates_seen(flight.track)[seen], raw, np.nan), smooth
 
 
 def _apart(pose: FloatArray, truth: FloatArray) -> FloatArray:
