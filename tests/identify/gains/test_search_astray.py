@@ -43,3 +43,9 @@ def test_estimates_of_a_search_that_ran_out_of_steps_have_no_intervals(monkeypat
     assert not found.usable
     loop = [found[kind] for kind in ("kp", "kd", "delay", "damping")]
     assert all((e.low, e.high, e.standard_error) == (-np.inf, np.inf, np.inf) for e in loop)
+
+
+@pytest.mark.parametrize("shift", [-1e3, -1e137, -1e300])
+def test_a_pulse_so_early_that_no_sum_of_delays_reaches_the_recording_has_left_it(shift):
+    turned = yaw_response({**TRUTH, "onset_shift": shift}, TIMES, PULSE).yaw
+    assert np.array_equal(turned, np.zeros(len(TIMES)))

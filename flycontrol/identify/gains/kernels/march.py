@@ -42,7 +42,11 @@ def panel_edges(start, end, delay, majors, minors, longest):
     count = 0
     for k in range(-1, len(majors)):
         t = start if k < 0 else majors[k]
-        while t < end:
+        if t < start:
+            t += np.ceil((start - t) / delay) * delay
+        for _ in range(images):  # a search astray asks for knots so far off that adding a delay does not move them
+            if t >= end:
+                break
             if t >= start:
                 found[count] = t
                 count += 1
