@@ -151,6 +151,8 @@ def track(
     if over := upside_down(flight.track):
         say(f"{over[0].upper()}{over[1:]}.")
     ending = f"wrote {folder / 'index.html'} and what lies beside it in {time.perf_counter() - started:.1f} s"
+    if flight.unsmoothed:
+        say(flight.unsmoothed)
     say(f"{status_sentence(flight.track)} {ending}")
     if "lost" in flight.track.status:
         raise typer.Exit(PARTLY_LOST)

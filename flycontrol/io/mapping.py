@@ -62,6 +62,8 @@ def _shipped(name: str) -> TomlFile:
 
 def _resolved(toml: TomlFile) -> RecordingMapping:
     tables = structured(MappingFile, toml.data, toml)
+    if tables.empty:
+        raise InvalidInputError(f"{toml.where('empty')}: the file that this maps holds no motion. {tables.empty}")
     orientation = _orientation(tables.file, toml)
     read = ChannelReader(toml, orientation, tables.file.format in _WITH_ATTRIBUTES)
     mapping = RecordingMapping(

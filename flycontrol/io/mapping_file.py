@@ -163,6 +163,7 @@ class MappingFile(Table):
 
     name: str = Field(min_length=1, max_length=100)
     description: str = ""
+    empty: str = ""  #: why the file holds no motion; reading it is refused with these words
     source: str = ""
     file: FileTable
     clock: ClockTable

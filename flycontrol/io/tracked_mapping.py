@@ -22,7 +22,13 @@ source = "flycontrol"
 
 
 def tracked_mapping(
-    form: TrajectoryFormat, *, name: str, stroke_plane_angle: float, frequency: float | None, whole: bool
+    form: TrajectoryFormat,
+    *,
+    name: str,
+    stroke_plane_angle: float,
+    frequency: float | None,
+    whole: bool,
+    empty: str = "",
 ) -> str:
     """Text of a mapping file for a tracked flight.
 
@@ -38,7 +44,11 @@ def tracked_mapping(
         Of the wingbeats [1/s]; None where there are too few to tell.
     whole
         No frame is lost, so that yaw has no gaps across which turns could be miscounted.
+    empty
+        Why the recording has no smoothed motion, one sentence; reading it is then refused with it.
     """
     head = _HEAD.format(file=RECORDING_NAMES[form], name=toml_string(name[:_LONGEST_NAME] or "tracked flight"))
+    if empty:
+        head += f"empty = {toml_string(empty)}\n"
     sections = motion_sections(form, stroke_plane_angle=stroke_plane_angle, frequency=frequency, unwrapped=whole)
     return "\n".join([head, *sections])

@@ -12,7 +12,7 @@ from flycontrol.model.pose import ANGLES, ATTITUDE, BASE, COORDINATES, POSITION,
 from flycontrol.model.stroke import Side
 from flycontrol.units import deg
 from flycontrol.vision.smooth.attitude_motion import attitude_motion
-from flycontrol.vision.smooth.sight import Sight, sight_of
+from flycontrol.vision.smooth.sight import FEWEST, Sight, seen_together, sight_of
 from flycontrol.vision.smooth.smooth_curve import SmoothCurve, smooth_curve, smooth_curves
 from flycontrol.vision.smooth.smooth_turn import SmoothTurn, smooth_turn, turn_spread
 from flycontrol.vision.smooth.wing_in_body import by_body_turns, variance_from_body, wing_in_body
@@ -22,6 +22,7 @@ from flycontrol.vision.tracked_frame import Track
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
+LONGEST_GAP = 40  #: frames that are bridged
 #: Shares of the body's stated variance that neighbouring frames have in common, such as legs make them, and that no
 #: smoothing takes away: of its position and of turns about forward, right, down, from simulated flights (C).
 _COMMON, _COMMON_TURN = 0.5, np.array([0.5, 1.5, 1.5])
@@ -31,7 +32,7 @@ _MIDDLE = np.array([0.0, 0.0, 90 * deg])
 _SIDES: tuple[Side, Side] = ("left", "right")
 
 
-def smoothed(track: Track, frame_rate: float, *, longest_gap: int = 40) -> SmoothedPose:
+def smoothed(track: Track, frame_rate: float, *, longest_gap: int = LONGEST_GAP) -> SmoothedPose:
     """The 18 coordinates as quintic smoothing splines; see `noisy_spline` for the model and `smooth_curve` for its fit.
 
     The body comes first: its position along the world's axes, its attitude as rotations. The wings are then read in
@@ -67,6 +68,18 @@ def smoothed(track: Track, frame_rate: float, *, longest_gap: int = 40) -> Smoot
             if sight.wing_runs[side]:
                 _fill_wing(columns, sight, turn, side)
     return _placed(columns, sight.frames, track.pose)
+
+
+def too_few_to_smooth(track: Track, longest_gap: int = LONGEST_GAP) -> str:
+    """Why `smoothed` finds nothing in a track, one sentence; empty where it finds something."""
+    seen = seen_together(track, longest_gap)
+    if seen >= FEWEST:
+        return ""
+    gap = f", no more than {longest_gap} frames apart," if len(track) > longest_gap else ""
+    return (
+        f"Nothing could be smoothed: at least {FEWEST} frames in which the fly is seen{gap} are needed, and there "
+        f"{'is' if seen == 1 else 'are'} {seen or 'none'}."
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

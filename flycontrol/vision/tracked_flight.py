@@ -13,6 +13,7 @@ from flycontrol.vision.checks.calibration_check import CalibrationCheck
 from flycontrol.vision.follower import Fly
 from flycontrol.vision.size_fit import Sizes
 from flycontrol.vision.smoothed_pose import SmoothedPose
+from flycontrol.vision.smoothing import too_few_to_smooth
 from flycontrol.vision.tracked_frame import Track
 
 FloatArray = NDArray[np.float64]
@@ -37,6 +38,11 @@ class TrackedFlight:
     sizes: Sizes | None = None  #: fitted factors on the sizes of the fly that was given
     world: str = "as calibrated"  #: how this world lies in that of the calibration
     doubt: str = ""  #: what the check of films and cameras warns of
+
+    @property
+    def unsmoothed(self) -> str:
+        """Why nothing is smoothed, one sentence; empty where something is."""
+        return "" if np.any(np.isfinite(self.smoothed.pose.coordinates)) else too_few_to_smooth(self.track)
 
     @property
     def numbers(self) -> NDArray[np.int64]:

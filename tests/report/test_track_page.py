@@ -11,6 +11,8 @@ from scipy.ndimage import binary_dilation, binary_erosion
 from texts import overlapping_texts, texts_outside, unlabelled
 from tracked_flights import FREQUENCY, RATE, cameras_around, motion, tracked_flight
 
+from flycontrol.errors import InvalidInputError
+from flycontrol.io.mapping import read_mapping
 from flycontrol.io.tracked_mapping import tracked_mapping
 from flycontrol.model.distortion import Distortion
 from flycontrol.model.pose import Pose
@@ -33,6 +35,7 @@ from flycontrol.report.track.views import Window, part_masks, seen_in
 from flycontrol.report.track.words import median_overlap, status_rows
 from flycontrol.units import deg, ms
 from flycontrol.vision.render import render_silhouettes
+from flycontrol.vision.smoothing import smoothed
 
 ORIGIN = TrackOrigin(
     command="flycontrol track", films=("view.npz",), images_sha256="a1" * 32, cameras=None, cameras_sha256=None,
@@ -142,6 +145,25 @@ def test_any_flight_gives_a_page(tmp_path, frames, options):
     assert f"{tracked} of {frames} frame" in outline.text
     assert ("Against the truth" in outline.text) == (tracked > 0 and options.get("truth", True))
     assert (tmp_path / "overlay.gif").exists() == (frames > 1)
+
+
+def test_a_film_too_short_to_be_smoothed_says_so_and_shows_what_was_read_alone(tmp_path):
+    flight, footage = tracked_flight(6, truth=False)
+    flight = replace(flight, smoothed=smoothed(flight.track, flight.frame_rate))
+    outline = well_formed(page_of(tmp_path, flight, footage))
+    assert "at least 8 frames in which the fly is seen are needed, and there are 6." in outline.text
+    assert "Rates of the body" not in outline.text
+    assert outline.text.count("As read frame by frame alone") == 3
+    assert "smoothed</text>" not in (tmp_path / "index.html").read_text()
+
+
+def test_the_mapping_of_a_film_too_short_refuses_with_its_reason(tmp_path):
+    text = tracked_mapping(
+        "netcdf", name="a", stroke_plane_angle=1.0, frequency=None, whole=False, empty="There were 6 frames."
+    )
+    (tmp_path / "mapping.toml").write_text(text)
+    with pytest.raises(InvalidInputError, match=r"holds no motion\. There were 6 frames\."):
+        read_mapping(tmp_path / "mapping.toml")
 
 
 def test_figures_have_units_and_no_text_overlaps(mixed, looked):

@@ -12,7 +12,7 @@ from flycontrol.units import deg, mm
 from flycontrol.vision.follower import Fly
 from flycontrol.vision.smooth.smooth_curve import smooth_curve
 from flycontrol.vision.smoothed_pose import SmoothedPose
-from flycontrol.vision.smoothing import smoothed
+from flycontrol.vision.smoothing import smoothed, too_few_to_smooth
 from flycontrol.vision.track import track as track_silhouettes
 from flycontrol.vision.tracked_frame import Track
 
@@ -282,6 +282,15 @@ def test_too_few_frames_give_nothing(flight):
     assert np.all(np.isnan(found.pose.coordinates))
     assert not found.set_aside.any()
     assert len(smoothed(track_of(track.pose[:0]), RATE).pose) == 0
+
+
+def test_why_nothing_is_smoothed_is_said_of_those_tracks_alone_of_which_nothing_is(flight):
+    track = flight[1]
+    for frames, said in ((0, "are none."), (1, "is 1."), (7, "are 7."), (8, "")):
+        short = unseen(track, np.r_[frames : len(track)], "lost")
+        assert too_few_to_smooth(short).endswith(said)
+        assert bool(too_few_to_smooth(short)) == bool(said)
+        assert bool(said) == np.all(np.isnan(smoothed(short, RATE).pose.coordinates))
 
 
 def test_a_fly_that_does_not_move_has_rates_of_nought(flight):

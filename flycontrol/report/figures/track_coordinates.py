@@ -96,9 +96,8 @@ def _widen(ax: Axes, least: float) -> None:
 
 
 def _keys(curves: Curves) -> list[Line2D | Patch]:
-    keys: list[Line2D | Patch] = [
-        Line2D([], [], label="frame by frame", **_RAW_KEY),
-        Line2D([], [], label="smoothed", **SMOOTHED),
-        Patch(facecolor=BAND, label=f"95 % band, ±{SIGMAS:.2f} σ"),
-    ]
+    keys: list[Line2D | Patch] = [Line2D([], [], label="frame by frame", **_RAW_KEY)]
+    if np.any(np.isfinite(curves.smooth)):
+        keys.append(Line2D([], [], label="smoothed", **SMOOTHED))
+        keys.append(Patch(facecolor=BAND, label=f"95 % band, ±{SIGMAS:.2f} σ"))
     return keys if curves.truth is None else [*keys, Line2D([], [], label="truth", **TRUTH)]

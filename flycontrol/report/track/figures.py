@@ -43,8 +43,10 @@ def track_figures(
 ) -> dict[str, PageFigure]:
     """Draw every figure that the flight has parts for, by name, in the order of the page."""
     drawn = [_overlay(flight, chosen, overlay) for chosen, overlay in looked_at]
-    if np.any(np.isfinite(flight.track.pose.coordinates)):
-        drawn += [*_coordinates(flight, reversals), _rates(flight)]
+    if np.any(flight.track.believed) or not flight.unsmoothed:
+        drawn += _coordinates(flight, reversals)
+    if not flight.unsmoothed:
+        drawn.append(_rates(flight))
     drawn += [_hull(flight, seen) for seen in hulls]
     drawn.append(_agreement(flight, survey))
     if np.any(np.isfinite(flight.track.uncertainty)):
@@ -73,20 +75,22 @@ def _overlay(flight: TrackedFlight, chosen: ChosenFrame, overlay: FrameOverlay) 
 
 def _coordinates(flight: TrackedFlight, reversals: StrokeReversals) -> list[PageFigure]:
     drawn, found, piece = curves(flight), spans(flight.track), piece_shown_closely(flight, reversals)
+    raw = "As read frame by frame alone, since nothing could be smoothed. " if flight.unsmoothed else ""
     figures = [
         _page_figure(
             "body", coordinates_over_time(drawn, BODY, ("place of the centre", "attitude"), found),
-            "Place and attitude of the body", _body_words(drawn),
+            "Place and attitude of the body", f"{raw}{_body_words(drawn)}",
         ),
         _page_figure(
-            "wings", coordinates_over_time(drawn, WINGS, _WINGS, found), "Angles of the wings", _wing_words(flight)
+            "wings", coordinates_over_time(drawn, WINGS, _WINGS, found), "Angles of the wings",
+            f"{raw}{_wing_words(flight)}",
         ),
     ]  # fmt: skip
     if piece is not None:
         figures.append(_closely(flight, drawn, found, piece, reversals))
     caption = (
-        "Places of the bases from the body’s centre, along body axes. They hardly move on a fly; the fit holds them "
-        "near where the shape has them, and their scatter shows how well the roll of a round body can be told."
+        f"{raw}Places of the bases from the body’s centre, along body axes. They hardly move on a fly; the fit holds "
+        "them near where the shape has them, and their scatter shows how well the roll of a round body can be told."
     )
     figures.append(
         _page_figure("bases", coordinates_over_time(drawn, BASES, _WINGS, found), "Bases of the wings", caption)

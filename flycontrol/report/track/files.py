@@ -55,7 +55,9 @@ def _mapping(flight: TrackedFlight, form: TrajectoryFormat) -> str:
     whole = bool(np.all(np.isfinite(flight.smoothed.pose.coordinates)))
     angle = flight.smoothed.pose.stroke_plane_angle
     frequency = wingbeat_frequency(flight)
-    return tracked_mapping(form, name=flight.name, stroke_plane_angle=angle, frequency=frequency, whole=whole)
+    return tracked_mapping(
+        form, name=flight.name, stroke_plane_angle=angle, frequency=frequency, whole=whole, empty=flight.unsmoothed
+    )
 
 
 def _anipose(flight: TrackedFlight) -> tuple[dict[str, str], str]:

@@ -70,6 +70,8 @@ def write_tracked_recording(path: Path, form: TrajectoryFormat, flight: TrackedF
         "cameras": ", ".join(camera.name for camera in flight.cameras),
         "world": flight.world,
     }
+    if flight.unsmoothed:
+        about["unsmoothed"] = flight.unsmoothed
     with table_file(path, form, variables, about=about, name=name) as table:
         table.append(rows)
 

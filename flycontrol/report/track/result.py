@@ -31,6 +31,7 @@ _MADE_WITH = ("flycontrol", "numpy", "scipy", "numba", "matplotlib", "h5py", "pi
 FIELDS: dict[str, str] = {
     "name": "of the flight",
     "status": "a sentence: how many frames were tracked",
+    "unsmoothed": "why there are no smoothed coordinates, yaw, attitude and rates; null: there are",
     "frames.first": "number of the first frame in the films, from 0",
     "frames.step": "from one frame to the next",
     "frames.count": "how many",
@@ -102,6 +103,7 @@ def tracked_result(
     fields = {
         "name": flight.name,
         "status": status_sentence(flight.track),
+        "unsmoothed": flight.unsmoothed or None,
         "frames": _frames(flight),
         "unusual": unusual_stretches(flight),
         "wingbeat_frequency_hz": wingbeat_frequency(flight),

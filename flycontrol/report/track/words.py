@@ -45,7 +45,7 @@ def lead(flight: TrackedFlight, reversals: StrokeReversals) -> list[str]:
     first = f"{counts['tracked']} of {counted(count, 'frame')} {'is' if counts['tracked'] == 1 else 'are'} tracked"
     first += f" over {milliseconds(lasting)}" if lasting else ""
     first += f", {_listed(others)}." if others else "."
-    sentences = [first, _method(flight)]
+    sentences = [sentence for sentence in (first, flight.unsmoothed, _method(flight)) if sentence]
     overlap = median_overlap(flight)
     if overlap is not None:
         sentences.append(

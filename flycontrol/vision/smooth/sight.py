@@ -15,7 +15,7 @@ from flycontrol.vision.tracked_frame import Track
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
-_FEWEST = 8  #: frames seen in a run; fewer do not tell noise from motion
+FEWEST = 8  #: frames seen in a run; fewer do not tell noise from motion
 _SIDES: tuple[Side, Side] = ("left", "right")
 
 
@@ -47,8 +47,7 @@ class Sight:
 
 def sight_of(track: Track, frame_rate: float, longest_gap: int) -> Sight:
     """The frames of a track from one that was seen to another, without too long a gap [frames] between."""
-    known = np.isfinite(track.pose.coordinates) & np.isfinite(track.uncertainty) & (track.uncertainty > 0)
-    seen = np.asarray(track.believed, dtype=np.bool_) & known.all(axis=1)
+    seen = _seen(track)
     runs = _runs(seen, longest_gap)
     frames = np.concatenate([np.zeros(0, dtype=np.int_), *(np.arange(run.start, run.stop) for run in runs)])
     ends = np.cumsum([run.stop - run.start for run in runs], dtype=np.int_).tolist()
@@ -70,10 +69,23 @@ def sight_of(track: Track, frame_rate: float, longest_gap: int) -> Sight:
     )
 
 
-def _runs(seen: BoolArray, longest_gap: int) -> list[slice]:
+def seen_together(track: Track, longest_gap: int) -> int:
+    """The most frames in which the body is seen without too long a gap [frames] between them."""
+    return max(len(part) for part in _parts(_seen(track), longest_gap))
+
+
+def _seen(track: Track) -> BoolArray:
+    known = np.isfinite(track.pose.coordinates) & np.isfinite(track.uncertainty) & (track.uncertainty > 0)
+    return np.asarray(track.believed, dtype=np.bool_) & known.all(axis=1)
+
+
+def _parts(seen: BoolArray, longest_gap: int) -> list[NDArray[np.int_]]:
     at = np.flatnonzero(seen)
-    cuts = np.flatnonzero(np.diff(at) > longest_gap + 1) + 1
-    parts = [part for part in np.split(at, cuts) if len(part) >= _FEWEST]
+    return np.split(at, np.flatnonzero(np.diff(at) > longest_gap + 1) + 1)
+
+
+def _runs(seen: BoolArray, longest_gap: int) -> list[slice]:
+    parts = [part for part in _parts(seen, longest_gap) if len(part) >= FEWEST]
     return [slice(int(part[0]), int(part[-1]) + 1) for part in parts]
 
 
