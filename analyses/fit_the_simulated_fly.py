@@ -425,7 +425,8 @@ def _answer(found: Findings) -> str:
     weak = found.strengths[:2]
     return (
         f"Yes, to {100 * own.max():.1f} % for wings that paddle on command: that is what the reduced loop itself gets "
-        f"wrong in recordings without noise. With the noise of eight recordings 95 % intervals hold the truth "
+        "wrong, with these gains, in recordings without noise; it differs from gains to gains. With the noise of eight "
+        "recordings 95 % intervals hold the truth "
         f"({_names()}) in\n\n{_held_list(found)}\n\n"
         f"The reduced loop's own error is as large as a standard error from pulses of {kp:.0f} deg on for K_P/I and of "
         f"{delay:.0f} deg for the delay. From there on, where published experiments lie, both are known more precisely "

@@ -183,7 +183,10 @@ def _draw_phase(ax: "Axes", parts: list[Share]) -> None:
         ax.annotate(f"{lag:+.0f}°", (max(total, end), row), (3, 0), textcoords="offset points", va="center", fontsize=7)
         total = end
     ax.axvline(180, color="#c8323c", linewidth=1.0, linestyle=(0, (4, 2)))
-    ax.annotate("−1", (180, len(parts) - 0.45), (2, 0), textcoords="offset points", color="#c8323c", fontsize=8)
+    ax.annotate(
+        "no margin\n(180°)", (180, 0.4), (-3, 0), textcoords="offset points", ha="right", va="top", color="#c8323c",
+        fontsize=7,
+    )  # fmt: skip
     ax.set_yticks(range(len(parts)), [part.link.partition(",")[0] for part in parts])
     ax.tick_params(axis="y", labelsize=7)
     ax.invert_yaxis()

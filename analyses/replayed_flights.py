@@ -206,8 +206,8 @@ def draw(all_flights: list[Flight]) -> bytes:
         for column, flight, words in zip(panels.T, all_flights, WORDS, strict=True):
             draw_flight(column, flight)
             column[0].set_title(f"{flight.recording.name}\n{words}", fontsize=8)
-        for ax, label in zip(panels[:, 0], (*(f"{a} torque\n[nN m]" for a in AXES), "force up the\nbody / weight"),
-                             strict=True):  # fmt: skip
+        for ax, label in zip(panels[:, 0], (*(f"{a} torque, less\nits mean [nN m]" for a in AXES),
+                                            "force up the\nbody / weight"), strict=True):  # fmt: skip
             ax.set_ylabel(label)
         figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
         return svg_of(figure)
@@ -286,7 +286,11 @@ def as_text(results: list[AsIs]) -> str:
     gaps = [f"{-r.zero_gap / deg:.1f}" for r in results]
     lines.append(_row("a hinge further forward by so much balances mean pitch [mm]", shifts))
     lines.append(_row("left less right zero of pitch that balances mean yaw [deg]", gaps))
-    return "\n".join(lines) + f"\n\n![Torques and normal force, supplied and needed]({NAME}.svg)\n"
+    return (
+        "\n".join(lines) + f"\n\n![Torques less their means, and normal force, supplied and needed]({NAME}.svg)\n\n"
+        "Each torque is drawn less its mean over the flight; the table says by how much supply and need are apart in "
+        "the mean.\n"
+    )
 
 
 def _row(label: str, cells: Iterable[str]) -> str:

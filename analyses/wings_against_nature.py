@@ -322,7 +322,7 @@ def draw_terms(ax: "Axes", found: Findings) -> None:
             f"{sum(terms.values()):.2f}", (right, row), (10, 0), textcoords="offset points", va="center", bbox=PLAIN
         )
         ax.annotate(name, (0.0, row - 0.42), fontsize=7.5)
-    ax.axvline(1.0, color="#c8323c", linewidth=1.0)
+    ax.axvline(1.0, ymin=0.14, color="#c8323c", linewidth=1.0)  # above the legend
     for term, shade in SHADES.items():
         ax.barh(-5, 0, color=shade, edgecolor="#1a1a1a", linewidth=0.6, label=term.replace("_", " "))
     ax.set(yticks=[], xlabel="mean upward force / weight", ylim=(3.35, -0.6), xlim=(-0.08, 1.45))
