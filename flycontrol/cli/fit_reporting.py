@@ -34,15 +34,11 @@ def listed(report: Report, written: tuple[Path, ...]) -> str:
 
 
 def _summary(result: FitResult) -> str:
-    from flycontrol.identify.gains.spoken import spoken, spoken_range
+    from flycontrol.identify.gains.result import spoken_estimate
 
     if result.found_nothing:
         return ""
-    return "; ".join(
-        f"{e.name} {spoken(e.value, e.unit)} ({spoken_range(e.low, e.high, e.unit)})"
-        for e in result.estimates
-        if e.name == e.kind
-    )
+    return "; ".join(f"{e.name} {spoken_estimate(e)}" for e in result.estimates if e.name == e.kind)
 
 
 def report_of(found: FitStudy | ApartStudy, command: str) -> Report:

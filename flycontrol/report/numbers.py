@@ -8,16 +8,22 @@ import re
 from flycontrol.units import deg, ms
 
 ABSENT = "—"
+_LONG = 1e9
 _GREEK = {"beta": "β", "gamma": "γ", "omega": "ω", "eta": "η", "psi": "ψ", "d_alpha": "Δα"}
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def fixed(value: float | None, digits: int = 1, unit: str = "") -> str:
-    """Write with so many digits after the point; a dash for what does not exist, a word for infinity."""
+    """Write with so many digits after the point; a dash for what does not exist, a word for infinity.
+
+    What would fill a table with digits, from 10⁹ on, has four significant ones and a power of ten.
+    """
     if value is None or math.isnan(value):
         return ABSENT
     if math.isinf(value):
         return "unlimited"
+    if abs(value) >= _LONG:
+        return significant(value, 4, unit)
     text = f"{round(value, digits) + 0.0:.{digits}f}"  # adding zero turns -0.0 into 0.0
     return text.replace("-", "−") + (f"\N{NO-BREAK SPACE}{unit}" if unit else "")
 

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import math
 import re
 from dataclasses import replace
 
@@ -16,7 +17,7 @@ from flycontrol.identify.gains.synthetic import synthetic_experiment
 from flycontrol.report.fit.figures import fit_figures
 from flycontrol.report.fit.page import FIGURES, fit_page, fit_provenance, fitted_fly
 from flycontrol.report.fit.result import COLUMNS, FIELDS, estimates_csv, fit_result_json
-from flycontrol.report.fit.words import digits_for, paper_table
+from flycontrol.report.fit.words import digits_for, estimate_rows, paper_table
 from flycontrol.report.fitted import fitted_from
 from flycontrol.report.page import page
 from flycontrol.report.provenance import provenance
@@ -114,6 +115,36 @@ def test_nothing_is_drawn_of_a_loop_that_the_data_say_nothing_of(unmoved, parame
     assert fitted_fly(unmoved, parameters) is None
     for line in paper_table(unmoved).splitlines()[2:5]:
         assert line.split(" | ")[4] == "—"
+
+
+def test_what_the_data_say_nothing_of_has_no_number_in_the_tables(unmoved):
+    """Where a search ended among many values as good is no estimate."""
+    of_the_loop = [e for e in unmoved.result.estimates if e.kind in ("kp", "kd", "delay")]
+    assert all(e.undetermined for e in of_the_loop)
+    assert [row.value for row in estimate_rows(unmoved.result)][:3] == ["—"] * 3
+    assert str(unmoved.result).count("of any size") == 3
+
+
+def with_estimate(study, **changed):
+    """The study with another estimate of the paddling gain."""
+    estimates = [replace(e, **changed) if e.kind == "paddling_gain" else e for e in study.result.estimates]
+    return replace(study, result=replace(study.result, estimates=tuple(estimates)))
+
+
+@pytest.mark.parametrize("gamma", [3.438e153, -3.438e153])
+def test_a_huge_estimate_is_written_with_a_power_of_ten(study, origin, gamma):
+    found = with_estimate(study, value=gamma, low=gamma - 1e152, high=gamma + 1e152, standard_error=5e151)
+    row = next(row for row in estimate_rows(found.result) if row.plain == "γ/I")
+    assert row.value == f"{'−' if gamma < 0 else ''}3.438×10¹⁵⁰"
+    assert row.error == "5×10¹⁴⁸"
+    assert not re.search(r"\d{12}", Outline(fit_page(found, origin, with_stability=False)).text.split("Provenance")[0])
+
+
+@pytest.mark.parametrize("changed", [{"value": -4e4, "low": -5e4, "high": -3e4}, {"low": -math.inf, "high": math.inf}])
+def test_a_paddling_gain_that_may_be_anything_is_not_that_of_the_fitted_fly(study, parameters, changed):
+    fly = fitted_fly(with_estimate(study, **changed), parameters)
+    assert fly.paddling_gain == parameters.paddling_gain
+    assert fly.delay != parameters.delay
 
 
 def test_tables_are_numbered_without_a_gap(study, unmoved):

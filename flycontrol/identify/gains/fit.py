@@ -25,7 +25,7 @@ from flycontrol.identify.gains.least_squares import (
 )
 from flycontrol.identify.gains.model import GainModel
 from flycontrol.identify.gains.noise import Noise, estimate, order_by_bic, white
-from flycontrol.identify.gains.problem import Channel, fit_problem, standard_model
+from flycontrol.identify.gains.problem import Channel, FitProblem, fit_problem, standard_model
 from flycontrol.identify.gains.profile import Profile
 from flycontrol.identify.gains.result import FitResult
 from flycontrol.identify.gains.saturation import without_unreached
@@ -72,7 +72,7 @@ def fit_gains(
     InvalidInputError
         If the trials and the model do not fit each other.
     InvalidParameterError
-        For an unknown kind of noise or loss, or a level outside of (0, 1).
+        For an unknown kind of noise or loss, a level outside of (0, 1), or a start without a number for each unknown.
     """
     _refuse(noise, loss, level)
     weighted, minimum = _searched(trials, model, noise, loss, start)
@@ -110,7 +110,7 @@ def _searched(
     problem = fit_problem(trials, standard_model(trials) if model is None else model)
     guessed = [[white(_roughness(channel), 1.0) for channel in part.channels] for part in problem.parts]
     weighted = WeightedProblem(problem, guessed, loss)
-    minimum = minimise(weighted, start) if start is not None else _best_minimum(weighted)
+    minimum = _best_minimum(weighted) if start is None else minimise(weighted, _start(problem, start))
     return _settled(weighted, minimum, noise)
 
 
@@ -140,6 +140,16 @@ def _refuse(noise: str | int, loss: str, level: float) -> None:
         raise InvalidParameterError(f'loss must be "linear" or "huber", got {loss!r}.')
     if not 0 < level < 1:
         raise InvalidParameterError(f"The level of intervals must lie between 0 and 1, got {level!r}.")
+
+
+def _start(problem: FitProblem, start: FloatArray) -> FloatArray:
+    x = np.asarray(start, dtype=np.float64)
+    if x.shape != (len(problem.names),) or not np.isfinite(x).all():
+        raise InvalidParameterError(
+            f"start must have one finite number for each of the {len(problem.names)} unknowns, in the order "
+            f"{', '.join(problem.names)}; got the shape {x.shape}{'' if np.isfinite(x).all() else ', not all finite'}."
+        )
+    return x
 
 
 def _roughness(channel: Channel) -> float:

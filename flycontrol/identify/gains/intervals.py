@@ -53,18 +53,32 @@ def _linear(
     weighted: WeightedProblem, minimum: Minimum, uncertainty: LocalUncertainty, level: float, i: int
 ) -> Estimate:
     problem = weighted.problem
-    error = float(np.sqrt(uncertainty.covariance[i, i]))
-    width = float(scipy.special.stdtrit(uncertainty.freedom[i], 0.5 + level / 2)) * error
-    value = float(np.clip(minimum.x[i] - uncertainty.bias[i], problem.low[i], problem.high[i]))
-    kind, blind = problem.kinds[i], bool((np.abs(uncertainty.unidentifiable[:, i]) > 0.1).any())
     if minimum.held[i] and not at_bound(weighted, minimum)[i]:
         return _unreached(weighted, minimum, uncertainty, level, i)
+    error = float(np.sqrt(uncertainty.covariance[i, i]))
+    width = float(scipy.special.stdtrit(uncertainty.freedom[i], 0.5 + level / 2)) * error
+    bias = _bias(weighted, minimum, uncertainty, width, i)
+    value = float(np.clip(minimum.x[i] - bias, problem.low[i], problem.high[i]))  # to the last bit
+    kind, blind = problem.kinds[i], bool((np.abs(uncertainty.unidentifiable[:, i]) > 0.1).any())
     return Estimate(
         name=problem.names[i], kind=kind, unit=UNITS[kind], value=value, standard_error=error,
         low=value - width, high=value + width, freedom=float(uncertainty.freedom[i]),
-        bias=float(uncertainty.bias[i]), at_bound=bool(minimum.held[i]),
+        bias=bias, at_bound=bool(minimum.held[i]),
         open_because="other unknowns make up for it without trace in these data" if blind else "",
     )  # fmt: skip
+
+
+def _bias(weighted: WeightedProblem, minimum: Minimum, uncertainty: LocalUncertainty, width: float, i: int) -> float:
+    """What is taken off: no more than leads to a bound, and nothing where it would leave the interval.
+
+    There, and where it would turn the sign of what the prediction is divided by, the expansion that it begins means
+    nothing.
+    """
+    x, problem, bias = float(minimum.x[i]), weighted.problem, float(uncertainty.bias[i])
+    reach = min(width, abs(x)) if i in problem.divisors else width
+    if not abs(bias) <= reach:
+        return 0.0
+    return float(np.clip(bias, x - problem.high[i], x - problem.low[i]))
 
 
 def _unreached(

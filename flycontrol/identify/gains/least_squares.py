@@ -5,7 +5,7 @@
 V the noise's covariance. Steps solve (H + lambda diag H) d = -g with H = J^T J (Marquardt 1963); an unknown at a bound
 that the gradient pushes outwards is held there. The cost has a kink at every delay that puts an edge of a pulse on a
 sample of the paddling angle, and its minimum may lie at one: a delay with the gradient towards it on both sides is held
-there while the others are sought.
+there while the others are sought. Where the prediction is divided by an unknown, the step is one of its reciprocal.
 """
 
 from __future__ import annotations
@@ -19,14 +19,16 @@ from numpy.typing import NDArray
 from scipy.linalg.lapack import dposv  # type: ignore[attr-defined]
 
 from flycontrol.identify.gains.noise import Noise, whitened
-from flycontrol.identify.gains.problem import FitProblem, TrialPart
+from flycontrol.identify.gains.problem import FitProblem, TrialPart, reciprocal_step
 
 FloatArray = NDArray[np.float64]
 Loss = Literal["linear", "huber"]
 _HUBER = 1.345  #: 95 % efficient for normal noise (Huber 1981)
 _CLOSE = 1e-9  #: Newton decrement in units of the noise's variance: 3e-5 standard errors from the minimum
+_SLOW = 1e-6  #: the same of a search out of steps, which J^T J slows where the signal is as weak as the noise
 _BESIDE = 1e-5  #: of a standard error, below what _CLOSE asks: where both sides of a kink are looked at
 _STEEP, _STUCK = 1e5, 1e12  #: damping that makes one look for a kink, and with which steps cannot be told from none
+_SHORT = 0.5  #: |move / x| up to which a step of a divisor is taken as it is
 _REGULAR = 1e-10  #: of the scaled matrix: where K_D = 0 it and the delay have one derivative, and J^T J is singular
 
 
@@ -166,7 +168,9 @@ def minimise(
             near = decrement <= 1e-4 * (scale or at.cost / freedom)
             return Minimum(x, at, near, ~_free(problem, x, at.gradient, fixed), step)
         x, at, damping = taken
-    return Minimum(x, at, False, (x <= low) | (x >= high), most_steps)
+    free = _free(problem, x, at.gradient, fixed)
+    near = not kinks and _decrement(at, free) <= _SLOW * (scale or at.cost / freedom)
+    return Minimum(x, at, near, ~free if near else (x <= low) | (x >= high), most_steps)
 
 
 def _decrement(at: NormalEquations, free: NDArray[np.bool_]) -> float:
@@ -189,7 +193,7 @@ def _step(
     while True:
         move = np.zeros(len(x))
         move[free] = -_solved(H, g, damping) / size
-        trial = np.clip(x + move, weighted.problem.low, weighted.problem.high)
+        trial = _moved(weighted.problem, x, move)
         there = weighted.normal_equations(trial)
         if there.cost <= at.cost and there.finite:
             break
@@ -199,6 +203,20 @@ def _step(
     expected = -(2 * at.gradient @ move + move @ at.matrix @ move)
     gained = at.cost - there.cost
     return trial, there, _next_damping(damping, float(gained / expected) if expected > 1e-9 * at.cost else 1.0)
+
+
+def _moved(problem: FitProblem, x: FloatArray, move: FloatArray) -> FloatArray:
+    """x + move inside the bounds; what the prediction is divided by takes a long step in its reciprocal.
+
+    So it goes through infinity to the other sign if the data want it, where x + move would run away from a reciprocal
+    of the other sign for ever. Of short steps both are the same to the second order.
+    """
+    moved = x + move
+    for i in problem.divisors:
+        if abs(move[i]) > _SHORT * abs(x[i]):
+            shut = problem.low[i] >= 0 if x[i] > 0 else problem.high[i] <= 0
+            moved[i] = reciprocal_step(x[i], move[i], shut=bool(shut))
+    return np.clip(moved, problem.low, problem.high)
 
 
 def _delays(problem: FitProblem, free: NDArray[np.bool_]) -> list[int]:

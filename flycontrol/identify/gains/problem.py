@@ -16,12 +16,14 @@ from flycontrol.identify.gains.model import GainModel, Prior, Unknown, gain_mode
 from flycontrol.identify.gains.noise import Noise, whitened
 from flycontrol.identify.gains.response import NAMES, Drive, Span, drive_of, evaluate, parameter_vector, span_of
 from flycontrol.model.trial import Pulse, TorqueTrace, Trial
+from flycontrol.units import ms
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 #: What `response.evaluate` is: (p, active, drive, span, times, torque) -> yaw and N_fly / I, each with derivatives.
 Response = Callable[[FloatArray, IntArray, Drive, Span, FloatArray, bool], tuple[FloatArray, FloatArray | None]]
 _GAP = 1.5  #: steps of the nominal rate after which samples count as separate stretches
+_TENFOLD = 0.1
 _DELAY, _HEADING, _PADDLING_GAIN, _IMPULSE = (
     NAMES.index(name) for name in ("delay", "heading", "paddling_gain", "impulse")
 )
@@ -117,6 +119,11 @@ class FitProblem:
         return np.array([setting.high for setting in self.settings])
 
     @cached_property
+    def divisors(self) -> list[int]:
+        """Places of the unknowns that the prediction is divided by, so that it is linear in their reciprocals."""
+        return [i for i, kind in enumerate(self.kinds) if kind == "paddling_gain"]
+
+    @cached_property
     def priors(self) -> list[tuple[int, Prior]]:
         """Place and prior of the unknowns that have one."""
         return [(i, setting.prior) for i, setting in enumerate(self.settings) if setting.prior is not None]
@@ -125,6 +132,15 @@ class FitProblem:
     def samples(self) -> int:
         """Number of measured samples of all channels."""
         return sum(len(channel.values) for part in self.parts for channel in part.channels)
+
+
+def reciprocal_step(x: float, move: float, *, shut: bool = False) -> float:
+    """x / (1 - move / x): where x goes if 1 / x takes the step -move / x^2, which is move to the first order.
+
+    `shut`: it may not pass infinity, and grows tenfold at most.
+    """
+    left = 1.0 - move / x
+    return x / max(left, _TENFOLD) if shut else x / (left or _TENFOLD)
 
 
 def standard_model(trials: Sequence[Trial]) -> GainModel:
@@ -146,16 +162,33 @@ def _refuse_others(trials: Sequence[Trial]) -> None:
         )
 
 
+def _refuse_outside(trial: Trial) -> None:
+    """Refuse a perturbation that yaw was not measured during or after: its strength would be anything."""
+    seen, moved = trial.time[np.isfinite(trial.yaw)], trial.perturbation
+    if isinstance(moved, Pulse) and (moved.onset >= seen[-1] or moved.onset + moved.duration <= seen[0]):
+        raise InvalidInputError(
+            f"{trial.name}: the pulse from {moved.onset / ms:.6g} to {(moved.onset + moved.duration) / ms:.6g} ms lies "
+            f"outside the recording from {seen[0] / ms:.6g} to {seen[-1] / ms:.6g} ms; check the units and the start "
+            "of the clock."
+        )
+    if isinstance(moved, TorqueTrace) and (moved.time[-1] <= seen[0] or moved.time[0] >= seen[-1]):
+        raise InvalidInputError(
+            f"{trial.name}: the trace of the drive and yaw share no time; check the units and the clocks."
+        )
+
+
 def fit_problem(trials: Sequence[Trial], model: GainModel) -> FitProblem:
     """Lay out the unknowns of a model for trials.
 
     Raises
     ------
     InvalidInputError
-        If there is no trial or something else, two have one name, or paddling was not measured where its gain is
-        asked for.
+        If there is no trial or something else, two have one name, a perturbation lies outside its recording, or
+        paddling was not measured where its gain is asked for.
     """
     _refuse_others(trials)
+    for trial in trials:
+        _refuse_outside(trial)
     names = [trial.name for trial in trials]
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:

@@ -51,11 +51,12 @@ def _regression(part: TrialPart, step: float) -> Regression:
     n = max(int((float(channel.times[-1]) - start) / step) + 1, 8)
     tau = np.linspace(-1.0, 1.0, n)
     own, moved = [np.ones(n), tau, tau * tau], np.zeros(n)
-    push = len(part.drive.majors) > 0 and _IMPULSE in part.active
+    path = displacement(part.drive, start, step, n) if len(part.drive.majors) else moved
+    push = _IMPULSE in part.active and bool(path.any())  # a pulse in the last cell moves nothing yet
     if push:
-        own.insert(0, displacement(part.drive, start, step, n))
-    elif len(part.drive.majors):
-        moved = part.resting[_IMPULSE] * displacement(part.drive, start, step, n)
+        own.insert(0, path)
+    else:
+        moved = part.resting[_IMPULSE] * path
     integrals = kernels.coarse_integrals(channel.times, channel.values, step, n)
     basis, triangle = kernels.orthonormal(np.array(own))
     return Regression(part, step, integrals, basis, triangle, push, moved)

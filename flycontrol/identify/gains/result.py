@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -42,6 +43,17 @@ class Estimate:
     method: IntervalMethod = "linear"  #: what gave the interval
     open_because: str = ""  #: why a side of the interval is infinite
 
+    @property
+    def undetermined(self) -> bool:
+        """Whether the data say nothing of it: the value is one of many, and no error or end goes with it."""
+        return not self.at_bound and all(math.isinf(it) for it in (self.low, self.high, self.standard_error))
+
+
+def spoken_estimate(e: Estimate) -> str:
+    """An estimate with its interval in everyday units: "13.6 ms (from 13.1 to 14.1 ms)"; alone "of any size"."""
+    ends = spoken_range(e.low, e.high, e.unit)
+    return ends if e.undetermined else f"{spoken(e.value, e.unit)} ({ends})"
+
 
 @dataclass(frozen=True, eq=False)
 class FitResult:
@@ -62,10 +74,7 @@ class FitResult:
     def __str__(self) -> str:
         """The status, then every estimate with its interval."""
         wide = max(len(e.name) for e in self.estimates)
-        lines = [
-            f"{e.name:{wide}}  {spoken(e.value, e.unit)} ({spoken_range(e.low, e.high, e.unit)})"
-            for e in self.estimates
-        ]
+        lines = [f"{e.name:{wide}}  {spoken_estimate(e)}" for e in self.estimates]
         return "\n".join([self.status, f"{100 * self.level:g} % intervals:", *lines])
 
     def __getitem__(self, name: str) -> Estimate:

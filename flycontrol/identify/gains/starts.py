@@ -78,19 +78,23 @@ def _point(
         own = np.linalg.solve(regression.triangle, mine)
         here = values | _local_values(part, float(own[0]) if regression.push else 0.0)
         x[part.places] = [here.get(NAMES[i], 0.0) for i in part.active]
-        if _PADDLING_GAIN in part.active:
-            x[part.places[part.active == _PADDLING_GAIN]] = _paddling_gain(part, x)
+    for place in problem.divisors:
+        x[place] = _paddling_gain(problem, x, place)
     given = np.array([np.nan if setting.start is None else setting.start for setting in problem.settings])
     return np.clip(np.where(np.isfinite(given), given, x), problem.low, problem.high)
 
 
-def _paddling_gain(part: TrialPart, x: FloatArray) -> float:
-    """What divides the predicted torque to give paddling of the size measured, with the sign of their product."""
+def _paddling_gain(problem: FitProblem, x: FloatArray, place: int) -> float:
+    """What divides the torque predicted for all trials that share it to give paddling as measured, by least squares.
+
+    Paddling is linear in the reciprocal; one trial alone may be mostly noise, and its sign with it.
+    """
     x = x.copy()
-    x[part.places[part.active == _PADDLING_GAIN]] = 1.0
-    torque, measured = part.predicted(x, False)[1][0], part.channels[1].values
-    product = float(torque @ measured)
-    return float(torque @ torque) / product if product else _RESTING["paddling_gain"]
+    x[place] = 1.0
+    parts = [part for part in problem.parts if place in part.places[part.active == _PADDLING_GAIN]]
+    pairs = [(part.predicted(x, False)[1][0], part.channels[1].values) for part in parts]
+    product = float(sum(torque @ measured for torque, measured in pairs))
+    return float(sum(torque @ torque for torque, _ in pairs)) / product if product else _RESTING["paddling_gain"]
 
 
 def _local_values(part: TrialPart, impulse: float) -> dict[str, float]:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from flycontrol.identify.gains.least_squares import Minimum, WeightedProblem
 from flycontrol.identify.gains.noise import Noise, whitened
-from flycontrol.identify.gains.problem import Channel, TrialPart
+from flycontrol.identify.gains.problem import Channel, TrialPart, reciprocal_step
 
 FloatArray = NDArray[np.float64]
 _SINGULAR = 1e-11  #: of scaled singular values: below it a combination of unknowns leaves no trace in the data
@@ -45,7 +45,8 @@ def local_uncertainty(weighted: WeightedProblem, minimum: Minimum, bias: bool = 
     ----------
     bias
         Compute the bias too, two responses for each unknown and trial; otherwise zeros. At a kink there is no second
-        derivative to take it from, and it is zero.
+        derivative to take it from, away from a minimum or along a combination without trace there is no point that it
+        belongs to: zeros too.
     """
     free = ~minimum.held
     matrix = minimum.at.matrix
@@ -59,8 +60,8 @@ def local_uncertainty(weighted: WeightedProblem, minimum: Minimum, bias: bool = 
     inverse /= scale * scale[:, None]
     blind[:, free] = vectors[:, ~seen].T
     freedom = _freedom(weighted, minimum.x, inverse)
-    smooth = bias and not minimum.at_kink
-    offset = _bias(weighted, minimum.x, inverse) if smooth else np.zeros(k)
+    asked = bias and minimum.converged and not minimum.at_kink and not len(blind)
+    offset = _bias(weighted, minimum.x, inverse) if asked else np.zeros(k)
     covariance = inverse.copy()
     lost = minimum.held | (np.abs(blind) > 1e-3).any(axis=0)
     covariance[lost, lost] = np.inf
@@ -103,24 +104,53 @@ def _information_slopes(rows: FloatArray, channel: Channel, noise: Noise) -> lis
 
 
 def _bias(weighted: WeightedProblem, x: FloatArray, C: FloatArray) -> FloatArray:
-    pull = np.zeros(len(x))
-    room = np.minimum(x - weighted.problem.low, weighted.problem.high - x)
+    pull, around = np.zeros(len(x)), _around(weighted, x, C)
     for part, noises, rows in zip(weighted.problem.parts, weighted.noise, weighted.rows(x), strict=True):
-        bent = _bent(part, noises, x, _steps(C, part, room))
+        bent = _bent(part, noises, around, _steps(C, part, around))
         for row, m in zip(rows, bent, strict=True):
             pull[part.places] += row[1:] @ m
-    return -0.5 * C @ pull
+    offset, loose = -0.5 * C @ pull, around.loose
+    offset[loose] += C[loose, loose] / x[loose]  # half of d^2 x / d(1/x)^2 times the variance of 1 / x
+    return offset
 
 
-def _steps(C: FloatArray, part: TrialPart, room: FloatArray) -> list[tuple[float, FloatArray]]:
+@dataclass(frozen=True, slots=True, eq=False)
+class _Around:
+    """Points about a minimum. What the prediction is divided by moves by its reciprocal, if it has no certain sign.
+
+    Differences in it would reach over its pole at zero, and its variance drown all others.
+    """
+
+    x: FloatArray
+    loose: Sequence[int]
+    size: FloatArray  #: (k,) units in which unknowns are comparable
+    room: FloatArray  #: (k,) to the nearer bound
+
+    def __call__(self, move: FloatArray) -> FloatArray:
+        moved = self.x + move
+        for i in self.loose:
+            moved[i] = reciprocal_step(self.x[i], move[i])
+        return moved
+
+
+def _around(weighted: WeightedProblem, x: FloatArray, C: FloatArray) -> _Around:
+    problem, size = weighted.problem, np.ones(len(x))
+    loose = [i for i in problem.divisors if C[i, i] > x[i] ** 2]
+    room = np.minimum(x - problem.low, problem.high - x)
+    size[loose], room[loose] = np.abs(x[loose]), np.inf
+    return _Around(x, loose, size, room)
+
+
+def _steps(C: FloatArray, part: TrialPart, around: _Around) -> list[tuple[float, FloatArray]]:
     """Columns (k,) of a root of the trial's covariance, each with the fraction of it that keeps inside the bounds."""
-    values, vectors = np.linalg.eigh(C[part.grid])
+    size = around.size
+    values, vectors = np.linalg.eigh((C / size / size[:, None])[part.grid])
     steps: list[tuple[float, FloatArray]] = []
     for value, vector in zip(values, vectors.T, strict=True):
-        column = np.zeros(len(room))
-        column[part.places] = np.sqrt(max(value, 0.0)) * vector
+        column = np.zeros(len(size))
+        column[part.places] = np.sqrt(max(value, 0.0)) * vector * size[part.places]
         with np.errstate(over="ignore"):  # much room, no step
-            fits = 0.9 * room / np.maximum(np.abs(column), 1e-300)
+            fits = 0.9 * around.room / np.maximum(np.abs(column), 1e-300)
         fraction = min(_STEP, float(fits.min()))
         if value > 0 and fraction > _SHORTEST:
             steps.append((fraction, column))
@@ -128,12 +158,12 @@ def _steps(C: FloatArray, part: TrialPart, room: FloatArray) -> list[tuple[float
 
 
 def _bent(
-    part: TrialPart, noises: Sequence[Noise], x: FloatArray, steps: Sequence[tuple[float, FloatArray]]
+    part: TrialPart, noises: Sequence[Noise], around: _Around, steps: Sequence[tuple[float, FloatArray]]
 ) -> list[FloatArray]:
     """trace(H_t C) of each channel's whitened samples."""
-    centre = part.predicted(x, False)
+    centre = part.predicted(around.x, False)
     total = [np.zeros_like(rows) for rows in centre]
     for h, v in steps:
-        ahead, behind = part.predicted(x + h * v, False), part.predicted(x - h * v, False)
+        ahead, behind = part.predicted(around(h * v), False), part.predicted(around(-h * v), False)
         total = [t + (a + b - 2 * c) / h**2 for t, a, c, b in zip(total, ahead, centre, behind, strict=True)]
     return [whitened(t, c.firsts, n)[0] for t, c, n in zip(total, part.channels, noises, strict=True)]

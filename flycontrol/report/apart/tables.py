@@ -46,7 +46,7 @@ def estimate_rows(study: ApartStudy) -> list[tuple[Member, Row]]:
 
 def _estimate(member: Member, kind: str) -> str:
     e = next((e for e in member.study.result.estimates if e.name == kind), None)
-    if e is None:
+    if e is None or e.undetermined:
         return ABSENT
     size = KINDS[kind][3]
     digits = digits_for(e.standard_error / size, e.value / size)

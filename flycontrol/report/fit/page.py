@@ -157,8 +157,14 @@ def fitted_fly(study: FitStudy, parameters: Parameters) -> Parameters | None:
 
 
 def _fitted_paddling(result: FitResult, inertia: float) -> Sourced | None:
-    """gamma from gamma/I, where all recordings share one that was estimated or fixed."""
+    """gamma from gamma/I, where all recordings share one that was estimated or fixed; None where it may be anything.
+
+    Paddling lost in its noise leaves gamma open, or of the sign of a fly that turns against its wings.
+    """
     if "paddling_gain" not in (*result.problem.names, *result.problem.model.known):
+        return None
+    said = [e for e in result.estimates if e.name == "paddling_gain"]
+    if not result.value("paddling_gain") > 0 or any(math.isinf(e.low) and math.isinf(e.high) for e in said):
         return None
     ratio = _sourced(result, "paddling_gain")
     note = f"γ/I = {ratio.text}, {ratio.note}"

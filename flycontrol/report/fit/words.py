@@ -13,7 +13,7 @@ from flycontrol.identify.gains.model import GAINS
 from flycontrol.identify.gains.result import Estimate, FitResult
 from flycontrol.identify.gains.ridge import Ridge
 from flycontrol.identify.gains.study import FitStudy
-from flycontrol.report.numbers import ABSENT, counted, fixed
+from flycontrol.report.numbers import ABSENT, counted, fixed, significant
 from flycontrol.units import deg, ms
 
 #: Words, symbol in HTML, unit as written, and its size in the unit of the estimate.
@@ -76,6 +76,8 @@ def _ends(ends: list[str]) -> str:
 
 
 def _value(e: Estimate, size: float, digits: int) -> str:
+    if e.undetermined:
+        return ABSENT
     return fixed(e.value / size, digits) if math.isfinite(e.value) else "none reached"
 
 
@@ -86,7 +88,7 @@ def _finite(e: Estimate) -> bool:
 def _fixed_row(name: str, value: float) -> EstimateRow:
     words, symbol, unit, size = KINDS[name]
     return EstimateRow(
-        words=words, symbol=symbol, plain=plain(symbol), owner="", value=f"{value / size:.6g}".replace("-", "−"),
+        words=words, symbol=symbol, plain=plain(symbol), owner="", value=significant(value / size, 6),
         interval="fixed", error=ABSENT, unit=unit, note="",
     )  # fmt: skip
 

@@ -1,5 +1,7 @@
 """Gains and delay from recordings of known truth."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy.stats
@@ -10,7 +12,7 @@ from flycontrol.identify.gains.fit import fit_gains
 from flycontrol.identify.gains.model import Prior, Unknown, gain_model
 from flycontrol.identify.gains.response import yaw_response
 from flycontrol.identify.gains.spoken import spoken, spoken_range
-from flycontrol.model.trial import Trial
+from flycontrol.model.trial import Pulse, TorqueTrace, Trial
 from flycontrol.units import deg
 
 
@@ -136,6 +138,33 @@ def test_a_fly_that_nothing_moved_is_not_identifiable():
     found = fit_gains([still], gain_model(fixed=AT_REST))
     assert found.status.startswith("not identifiable: no perturbation is known")
     assert np.isinf(found["kp"].standard_error)
+
+
+@pytest.mark.parametrize(("onset", "ends"), [(0.1, "100 to 104.5"), (5.0, "5000 to 5004.5"), (-0.0045, "-4.5 to 0")])
+def test_a_pulse_outside_the_recording_is_refused(onset, ends):
+    elsewhere = recording(0, perturbation=Pulse(onset=onset, duration=0.0045))
+    with pytest.raises(InvalidInputError, match=f"fly: the pulse from {ends} ms lies outside the recording from 0 to"):
+        fit_gains([recording(0, name="first"), elsewhere])
+
+
+def test_a_trace_that_shares_no_time_with_yaw_is_refused():
+    later = TorqueTrace(time=TIMES + 1, drive=np.sin(TIMES), unit="A")
+    with pytest.raises(InvalidInputError, match="fly: the trace of the drive and yaw share no time"):
+        fit_gains([replace(recording(0), perturbation=later)])
+
+
+@pytest.mark.parametrize("before_the_end", [1e-9, 5e-5, 3e-4])
+def test_a_pulse_at_the_very_end_shows_too_little(before_the_end):
+    last = Pulse(onset=TIMES[-1] - before_the_end, duration=0.0045)
+    found = fit_gains([replace(recording(0), perturbation=last)])
+    assert not found.usable
+    assert "ms after the onset, too short for a reflex to act and be answered" in found.status
+
+
+@pytest.mark.parametrize("start", [np.zeros(3), np.zeros((8, 8)), 1.0, [np.nan] * 8])
+def test_a_start_that_is_not_one_number_for_each_unknown_is_refused(start):
+    with pytest.raises(InvalidParameterError, match="start must have one finite number for each of the 8 unknowns"):
+        fit_gains([recording(0)], start=start)
 
 
 def test_a_bad_request_is_refused_in_a_sentence():
