@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -10,6 +11,7 @@ import numpy as np
 from flycontrol.errors import InvalidInputError
 from flycontrol.io.movies.recorded import Recorded
 from flycontrol.io.movies.silhouette_rule import MaskRule, silhouette_rule
+from flycontrol.io.movies.stills import Stills
 from flycontrol.model.film import ImageArray
 
 _SAMPLES = 9  #: frames that are looked at to tell silhouettes from grey images
@@ -54,8 +56,12 @@ class RecordedFilm:
         """
         if not 0 <= k < len(self):
             raise InvalidInputError(f"{self.name} has the frames 0 to {len(self) - 1}, so there is no frame {k}.")
-        image = self.recorded.frame(self.first + k)
-        where = self.recorded.where(self.first + k)
+        where = self._where(k)
+        try:
+            image = self.recorded.frame(self.first + k)
+        except InvalidInputError as damaged:
+            folders = self.recorded.where(self.first + k).removesuffix(where)
+            raise InvalidInputError(str(damaged).removeprefix(folders)) from damaged
         if image.shape != self.shape:
             raise InvalidInputError(
                 f"{where} has {image.shape[0]} x {image.shape[1]} pixels, other frames of camera {self.name} have "
@@ -64,6 +70,11 @@ class RecordedFilm:
         if self.rule is not None:
             return self.rule.mask(image, where)
         return image.astype(np.uint8) * np.uint8(255) if image.dtype == np.bool_ else image
+
+    def _where(self, k: int) -> str:
+        """File and frame without the folders above, which are those of a machine: of a still with its own folder."""
+        parts = self.recorded.where(self.first + k).split(os.sep)  # noqa: PTH206 (a Path a frame would take memory)
+        return os.sep.join(parts[-2:] if isinstance(self.recorded, Stills) else parts[-1:])  # noqa: PTH118
 
 
 def film_of(name: str, camera: Recorded, span: tuple[int, int], binary: bool | None) -> RecordedFilm:

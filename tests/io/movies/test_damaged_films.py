@@ -40,6 +40,14 @@ def test_a_truncated_still_costs_one_frame(tmp_path, film, ending):
             assert camera.image(k).shape == (24, 32)
 
 
+def test_a_damaged_still_is_named_by_its_camera_and_not_by_the_machines_folders(tmp_path, film):
+    (folder,) = written_as.write_stills(tmp_path / "film", film, ".png")
+    (folder / "cam2" / "frame5.png").write_bytes(b"")
+    camera = open_films([folder]).films[1]
+    with pytest.raises(InvalidInputError, match=r"^cam2/frame5\.png is empty\.$"):
+        [camera.image(k) for k in range(12)]
+
+
 def test_a_page_whose_data_are_damaged_costs_one_frame(tmp_path, film):
     (folder,) = written_as.write_pages(tmp_path / "film", film[:, :1], compression="tiff_adobe_deflate")
     path = folder / "cam1.tif"
