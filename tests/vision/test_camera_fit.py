@@ -81,3 +81,11 @@ def test_silhouettes_that_the_border_cuts_are_compared_only_where_there_are_no_o
     assert any(mask[0].any() for sighting in cut for mask in sighting.masks)
     assert len(compared_frames([*whole, *cut], CAMERAS).frames) == len(whole)
     assert compared_frames(cut, CAMERAS).cut
+
+
+def test_silhouettes_that_miss_each_other_a_little_are_told_with_both_causes():
+    one = [replace(each, masks=(np.roll(each.masks[0], 4, axis=0), *each.masks[1:])) for each in seen(POSE)]
+    doubt = fit(one, CAMERAS).doubt
+    assert "miss each other by" in doubt
+    assert "either the calibration is off, or legs or lost pixels" in doubt
+    assert "track more frames" in doubt

@@ -20,6 +20,10 @@ Frames = Sequence[Sequence[BoolArray]]
 #: frames. Three cameras of a laboratory: 0.01, single frames of legs and folds up to 0.04; true simulated ones: 0.002;
 #: two cameras exchanged: 0.07 at the least; images upside down: 0.15 and more.
 _UNFIT, _DOUBTFUL = 0.05, 0.03
+_EITHER = (
+    "either the calibration is off, or legs or lost pixels shift the silhouettes of these frames; look at the "
+    "overlays, track more frames, and check the calibration"
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -89,7 +93,7 @@ def fit_of_cameras(compared: ComparedFrames, cameras: Sequence[Camera]) -> Camer
             f"The cameras do not fit the images: {told}{better}; check the order of the cameras, how their file counts "
             "pixels (rows from above or below), and whether the images were turned or cropped."
         )
-    return CameraFit(calibration=calibration, doubt=f"the calibration is doubtful: {told}{better}")
+    return CameraFit(calibration=calibration, doubt=f"{told}{better}; {_EITHER}")
 
 
 def extent(mask: BoolArray) -> float:
