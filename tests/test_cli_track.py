@@ -95,6 +95,9 @@ def test_what_cannot_be_meant_is_refused_in_a_sentence_and_nothing_is_written(co
         (("--body-length", "2 m"), "about as long as a wing"),
         (("--fly", "housefly"), "no fly of that name"),
         (("--frames", "1:5"), "belongs to films"),
+        (("--grey",), "--grey belongs to films"),
+        (("--contrast", "10"), "--contrast belongs to films"),
+        (("film.npz", "--cameras", "c.csv", "--wingbeats", "3"), "--wingbeats belongs to the simulated fly"),
         (("film.npz",), "--cameras is missing"),
         (("film.npz", "--cameras", "c.csv", "--up", "w"), "--up must be one of"),
         (("film.npz", "--cameras", "c.csv", "--dust", "3"), "--dust is 3, but it is a share"),
@@ -117,6 +120,19 @@ def test_the_default_flight_is_tracked_within_the_aims_and_reported_on(command, 
     reading = ("--recording", out / "recording.nc", "--mapping", out / "mapping.toml")
     assert command("report", *reading, "--out", tmp_path / "report")[0] == 0
     assert not (out / "unfinished").exists()
+
+
+def test_an_option_that_chooses_an_array_is_named_where_it_is_needed_and_refused_where_it_is_not(command, tmp_path):
+    np.savez(tmp_path / "film.npz", masks=np.zeros((4, 3, 32, 32), bool), P=np.zeros((3, 3, 4)), Q=np.zeros((3, 3, 4)))
+    np.save(tmp_path / "film.npy", np.zeros((4, 3, 32, 32), bool))
+    given = ("--cameras", tmp_path / "film.npz", "--frame-rate", "8000", "--out", tmp_path / "out", "--film-variable")
+    for film, variable, words in (
+        ("film.npz", "masks", "P, Q could be cameras; name one by --camera-variable."),
+        ("film.npy", "x", "--film-variable x names an array of a .npz file, but film.npy is none"),
+    ):
+        status, _, log = command("track", tmp_path / film, *given, variable)
+        assert (status, log.count("\n"), (tmp_path / "out").exists()) == (2, 1, False), log
+        assert words in log
 
 
 CAMERAS = orthogonal_cameras(scale=26 / mm, shape=(192, 192), distance=120 * mm)
@@ -233,6 +249,8 @@ def test_films_that_cannot_be_tracked_are_refused_in_a_sentence_and_nothing_is_w
         ((*rate, "--cameras", "nowhere.csv"), "nowhere.csv"),
         ((*rate, "--contrast", "-3"), "--contrast"),
         ((*rate, "--up", "z up"), "--up must be one of"),
+        ((*rate, "--contrast", "10"), "--contrast says how silhouettes are made from grey images"),
+        ((*rate, "--bright"), "--bright says how"),
     ):
         status, log, out = tracked(film, *options)
         assert (status, log.count("\n"), out.exists()) == (2, 1, False), log

@@ -10,7 +10,7 @@ import typer
 
 from flycontrol.cli.terminal import kept_when_interrupted, progress_bar, say
 from flycontrol.cli.track_command import typed_track_command
-from flycontrol.cli.track_inputs import FilmOptions, FlyOptions, TrackInputs, identity_of, track_inputs
+from flycontrol.cli.track_inputs import DUST, WINGBEATS, FilmOptions, FlyOptions, TrackInputs, identity_of, track_inputs
 from flycontrol.errors import InvalidInputError
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from flycontrol.jobs.progress import Progress
     from flycontrol.vision.tracked_flight import TrackedFlight
 
-PARTLY_LOST = 3
+NOTHING_TRACKED, PARTLY_LOST = 1, 3
 _FLY = "drosophila_melanogaster"
 
 
@@ -77,7 +77,7 @@ def track(
     ] = None,
     dust: Annotated[
         float, typer.Option(metavar="SHARE", help="Parts below this share of the largest are left out.")
-    ] = 0.02,
+    ] = DUST,
     fly: Annotated[
         str, typer.Option(metavar="FILE", help="Its wings, in TOML, or drosophila_hydei and the like.")
     ] = _FLY,
@@ -100,11 +100,12 @@ def track(
     form: Annotated[str, typer.Option("--format", metavar="netcdf|hdf5|csv", help="Of the recording.")] = "netcdf",
     wingbeats: Annotated[
         int, typer.Option(min=1, max=1000, metavar="NUMBER", help="Of the simulated fly, where there is no INPUT.")
-    ] = 10,
+    ] = WINGBEATS,
 ) -> None:
     """Track a fly through calibrated films: page, recording, summary and animation.
 
-    Exit status 0: tracked; 2: refused, nothing written; 3: written, but the fly is lost in some frames.
+    Exit status 0: tracked; 1: written, but no frame was tracked; 2: refused, nothing written; 3: written, but the fly
+    is lost in some frames.
 
     Example: flycontrol track masks.npz --cameras calibration.csv --frame-rate 8000 --out reports/flight
     """
@@ -145,7 +146,7 @@ def track(
             command = typed_track_command(inputs or (), asked)
             flight = _tracked(given, folder, form_of_file, command, kept, progress)
         kept.remove()
-    from flycontrol.report.track.result import status_sentence
+    from flycontrol.report.track.result import nothing_tracked, status_sentence
     from flycontrol.vision.checks.attitude_check import upside_down
 
     if over := upside_down(flight.track):
@@ -154,6 +155,9 @@ def track(
     if flight.unsmoothed:
         say(flight.unsmoothed)
     say(f"{status_sentence(flight.track)} {ending}")
+    if nothing := nothing_tracked(flight.track):
+        say(nothing)
+        raise typer.Exit(NOTHING_TRACKED)
     if "lost" in flight.track.status:
         raise typer.Exit(PARTLY_LOST)
 

@@ -6,9 +6,11 @@ import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from flycontrol.cli.track_inputs import DUST, WINGBEATS
+
 #: What options are unless they are typed; those not named here are None or False.
-_LEFT_OUT = {"up": "z", "unit": "mm", "dust": 0.02, "fly": "drosophila_melanogaster", "format": "netcdf",
-             "wingbeats": 10}  # fmt: skip
+_LEFT_OUT = {"up": "z", "unit": "mm", "dust": DUST, "fly": "drosophila_melanogaster", "format": "netcdf",
+             "wingbeats": WINGBEATS}  # fmt: skip
 _NEGATIVE = {"silhouettes": "--grey", "fit-sizes": "--no-fit-sizes"}
 
 

@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     from flycontrol.vision.tracked_film import Asked
 
 
+DUST, WINGBEATS = 0.02, 10  #: unless they are typed
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FilmOptions:
     """Options that say what was filmed, as typed."""
@@ -177,11 +180,30 @@ def _simulated(films: FilmOptions, asked: Asked) -> FilmedFlight:
 
 
 def _refuse_options_of_films(films: FilmOptions) -> None:
-    given = {"--cameras": films.cameras, "--frame-rate": films.frame_rate, "--frames": films.frames,
-             "--background": films.background}  # fmt: skip
-    named = next((name for name, value in given.items() if value is not None), None)
+    given = {
+        "--cameras": films.cameras is not None, "--frame-rate": films.frame_rate is not None,
+        "--frames": films.frames is not None, "--up": films.up != "z", "--unit": films.unit != "mm",
+        "--camera-variable": films.camera_variable is not None, "--first-pixel": films.first_pixel is not None,
+        "--rows-from-below": films.rows_from_below, "--film-variable": films.film_variable is not None,
+        "--silhouettes": films.silhouettes is True, "--grey": films.silhouettes is False,
+        "--background": films.background is not None, "--bright": films.bright,
+        "--contrast": films.contrast is not None, "--dust": films.dust != DUST,
+    }  # fmt: skip
+    named = next((name for name, typed in given.items() if typed), None)
     if named is not None:
         raise InvalidInputError(f"{named} belongs to films, but none is given; name the films, or leave it out.")
+
+
+def _refuse_options_of_grey_films(films: FilmOptions, opened: Sequence[Film]) -> None:
+    given = {
+        "--contrast": films.contrast is not None, "--bright": films.bright, "--background": films.background is not None
+    }  # fmt: skip
+    named = next((name for name, typed in given.items() if typed), None)
+    if named is not None and all(film.binary for film in opened):
+        raise InvalidInputError(
+            f"{named} says how silhouettes are made from grey images, but these films are silhouettes already; leave "
+            "it out, or say --grey if they are grey images."
+        )
 
 
 def _filmed(films: FilmOptions, wing_length: float) -> tuple[FilmedFlight, tuple[str, ...]]:
@@ -194,11 +216,14 @@ def _filmed(films: FilmOptions, wing_length: float) -> tuple[FilmedFlight, tuple
     from flycontrol.vision.flight_of_film import FilmedFlight
     from flycontrol.vision.footage import Footage
 
+    if films.wingbeats != WINGBEATS:
+        raise InvalidInputError("--wingbeats belongs to the simulated fly; leave it out where films are named.")
     if films.cameras is None:
         raise InvalidInputError("--cameras is missing: films need the file of their cameras' calibration.")
     up = _up(films.up)
     how = _segmentation(films)
     opened = open_films(films.inputs, binary=films.silhouettes, variable=films.film_variable)
+    _refuse_options_of_grey_films(films, opened.films)
     frames = frame_range(films.frames, len(opened.films[0]))
     rate = _frame_rate(films.frame_rate, opened.frame_rate) / frames.step
     cameras = _cameras(films, films.cameras, [film.shape for film in opened.films])

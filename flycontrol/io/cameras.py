@@ -199,7 +199,8 @@ def _chosen(path: Path, arrays: dict[str, FloatArray], variable: str | None) -> 
     }
     if len(whole) + bool(single) != 1:
         raise InvalidInputError(
-            f"{path}: {', '.join([*whole, *single]) or 'none of its variables'} could be cameras; name one variable."
+            f"{path}: {', '.join([*whole, *single]) or 'none of its variables'} could be cameras; "
+            "name one by --camera-variable."
         )
     return next(iter(whole.values())) if whole else np.stack(list(single.values()))
 

@@ -27,7 +27,7 @@ from flycontrol.report.track.chosen import best_frame, chosen_frames, worst_fram
 from flycontrol.report.track.curves import curves, true_rates
 from flycontrol.report.track.figures import fastest_within
 from flycontrol.report.track.page import write_track_report
-from flycontrol.report.track.result import TrackOrigin, tracked_result
+from flycontrol.report.track.result import TrackOrigin, nothing_tracked, tracked_result
 from flycontrol.report.track.second_look import second_look
 from flycontrol.report.track.spans import spans, tally
 from flycontrol.report.track.truth import coordinate_errors
@@ -216,6 +216,15 @@ def test_a_heading_goes_on_through_half_a_turn():
     for curve in (drawn.smooth, drawn.raw, drawn.truth):
         assert np.max(np.abs(np.diff(curve[:, 3]))) < 1.0
     assert drawn.smooth[:, 3] - drawn.truth[:, 3] == pytest.approx(np.full(60, 0.1), abs=1e-9)
+
+
+def test_that_no_frame_was_tracked_is_said_with_the_reason_that_most_frames_have():
+    def said_of(*status):
+        return nothing_tracked(tracked_flight(4, status=status)[0].track)
+
+    words = "No frame was tracked; most often, in 3 of 4: view 0: the silhouette is empty."
+    assert said_of("partial", "bridged", "bridged", "lost") == words
+    assert said_of(*["partial"] * 4) == said_of("tracked", *["lost"] * 3) == ""
 
 
 def test_errors_against_the_truth_are_those_that_were_made(mixed):

@@ -68,7 +68,9 @@ def _films(file: NpzFile, variable: str | None) -> list[str]:
         if len(found) == 1 or (found and found is not whole and _alike(file, found)):
             return found
         if found:
-            raise InvalidInputError(f"{file.path}: {', '.join(found[:12])} could be the film; name one of them.")
+            raise InvalidInputError(
+                f"{file.path}: {', '.join(found[:12])} could be the film; name one by --film-variable."
+            )
     raise InvalidInputError(
         f"{file.path} has no film, an array (frames, cameras, rows, columns) or one (frames, rows, columns) for each "
         f"camera; it has {_listed(file)}."

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from flycontrol.errors import InvalidInputError
 from flycontrol.io.movies.inputs import CameraFiles, camera_files
 from flycontrol.io.movies.numpy_films import npy_films, npz_films
 from flycontrol.io.movies.recorded import Recorded
@@ -64,10 +65,16 @@ def open_films(
     Raises
     ------
     InvalidInputError
-        If a path is no film, if a file is damaged at its beginning, or if the cameras' films differ in length. Frames
-        that are damaged raise when they are asked for.
+        If a path is no film, if a variable is named where no file has any, if a file is damaged at its beginning, or if
+        the cameras' films differ in length. Frames that are damaged raise when they are asked for.
     """
-    found = [_read(files, packed, variable) for files in camera_files(inputs)]
+    named = camera_files(inputs)
+    if variable is not None and all(files.kind != "npz" for files in named):
+        raise InvalidInputError(
+            f"--film-variable {variable} names an array of a .npz file, but {named[0].files[0].name} is none; leave it "
+            "out."
+        )
+    found = [_read(files, packed, variable) for files in named]
     recorded = [camera for item in found for camera in item.recorded]
     notes = [note for item in found for note in item.notes]
     spans, begun = shared_spans(recorded)

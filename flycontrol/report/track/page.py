@@ -119,7 +119,7 @@ def _film_caption(flight: TrackedFlight, seen: SecondLook) -> str:
     return (
         f"{len(seen.pictures)} of {len(flight.track)} frames, about {FRAME_TIME / step:.0f} times slower than it flew. "
         "What was filmed, pixel by pixel, and the contours of the fitted fly: body black, left wing blue, right wing "
-        "brown. The windows follow the fly."
+        "orange. The windows follow the fly."
     )
 
 

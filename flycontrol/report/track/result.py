@@ -140,6 +140,15 @@ def status_sentence(track: Track) -> str:
     return f"{seen}, {', '.join(others)}." if others else f"{seen}."
 
 
+def nothing_tracked(track: Track) -> str:
+    """That no frame was tracked and why most often; empty where one was, or most show the fly in part."""
+    partial = track.status.count("partial")
+    if "tracked" in track.status or 2 * partial >= len(track):
+        return ""
+    (reason, often), *_ = Counter(track.reasons).most_common(1)
+    return f"No frame was tracked; most often, in {often} of {len(track)}: {reason or 'no reason given'}."
+
+
 def wingbeat_frequency(flight: TrackedFlight) -> float | None:
     """Of the mean stroke of both wings in the longest stretch without a gap [1/s]; None without a whole wingbeat."""
     return stroke_reversals(flight).frequency
