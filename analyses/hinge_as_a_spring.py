@@ -430,11 +430,11 @@ def draw_torques(ax: "Axes", found: Findings) -> None:
 
 def draw_passive(ax: "Axes", found: Findings) -> None:
     """Fig. 6b: measured pitch and that of the wing on its spring."""
-    for fly, shade, shift in zip(found.flies, (DARK, GREY), (0.0, 135.0), strict=True):
+    for fly, shift in zip(found.flies, (0.0, 135.0), strict=True):
         fit = found.at_chosen(fly).fit
         phase = fit.passive.trajectory.phase
         measured = fly.stroke.right(phase).angles[:, 2]
-        ax.plot(phase, measured / deg + shift, color=shade, linewidth=1.7)
+        ax.plot(phase, measured / deg + shift, color=DARK, linewidth=1.7)
         ax.plot(phase, fit.passive.trajectory.right.pitch / deg + shift, color=ORANGE, linewidth=1.5,
                 linestyle=(0, (4, 1.6)))  # fmt: skip
         name = fly.name.split(",")[0] + (f", drawn {shift:.0f}° up" if shift else "")
