@@ -16,7 +16,14 @@ from flycontrol.io.mapping import read_mapping
 from flycontrol.io.tracked_mapping import tracked_mapping
 from flycontrol.model.distortion import Distortion
 from flycontrol.model.pose import Pose
-from flycontrol.report.figures.track_coordinates import BASES, BODY, WINGS, coordinates_over_time
+from flycontrol.report.figures.track_coordinates import (
+    BASES,
+    BODY,
+    WINGS,
+    bands_are_cut,
+    coordinates_over_time,
+    shown_limits,
+)  # fmt: skip
 from flycontrol.report.figures.track_hull import hull_from_two_sides
 from flycontrol.report.figures.track_overlay import frame_overlay
 from flycontrol.report.figures.track_quality import agreement_over_time, uncertainty_over_time
@@ -25,7 +32,7 @@ from flycontrol.report.track.animation import HEAVIEST, gif
 from flycontrol.report.track.beats import piece_shown_closely, stroke_reversals
 from flycontrol.report.track.chosen import best_frame, chosen_frames, worst_frame
 from flycontrol.report.track.curves import curves, true_rates
-from flycontrol.report.track.figures import fastest_within
+from flycontrol.report.track.figures import fastest_within, track_figures
 from flycontrol.report.track.page import write_track_report
 from flycontrol.report.track.result import TrackOrigin, nothing_tracked, tracked_result
 from flycontrol.report.track.second_look import second_look
@@ -225,6 +232,35 @@ def test_that_no_frame_was_tracked_is_said_with_the_reason_that_most_frames_have
     words = "No frame was tracked; most often, in 3 of 4: view 0: the silhouette is empty."
     assert said_of("partial", "bridged", "bridged", "lost") == words
     assert said_of(*["partial"] * 4) == said_of("tracked", *["lost"] * 3) == ""
+
+
+def test_the_frame_of_which_the_hull_covers_least_is_named_and_among_those_looked_at():
+    flight, footage = tracked_flight(8)
+    frames = list(footage.films[0].frames)
+    frames[4] = frames[4] & (np.arange(160) < 80)  # half of the fly is missing
+    film = replace(footage.films[0], frames=tuple(frames))
+    looked = second_look(flight, replace(footage, films=(film, *footage.films[1:])), stroke_reversals(flight))
+    row, view = looked.survey.least_covered
+    assert (row, view) in ((4, 1), (4, 2))
+    assert looked.survey.uncovered[row, view] == np.nanmax(looked.survey.uncovered) > 100
+    chosen = {each.frame: each.rules for each, _ in looked.overlays}
+    assert "the most pixels of a silhouette that the hull leaves uncovered" in chosen[4]
+    figures = track_figures(flight, stroke_reversals(flight), looked.survey, looked.overlays, looked.hulls)
+    assert f"% of the silhouette “view {view}”, in frame 4 at 1.00" in figures["agreement"].caption
+
+
+def test_a_band_that_is_wide_in_two_frames_is_cut_and_hides_no_curve():
+    flight, _ = tracked_flight(200)
+    drawn, whole = curves(flight), slice(None)
+    before = shown_limits(drawn, 10, whole)
+    half = drawn.half_band.copy()
+    half[[50, 120], 10] = 1e3
+    spiked = replace(drawn, half_band=half)
+    assert shown_limits(spiked, 10, whole) == pytest.approx(before, abs=0.5)
+    assert bands_are_cut(spiked, WINGS, whole)
+    low, high = shown_limits(spiked, 10, whole)
+    for curve in (drawn.raw, drawn.smooth, drawn.truth):
+        assert low < np.nanmin(curve[:, 10]) <= np.nanmax(curve[:, 10]) < high
 
 
 def test_errors_against_the_truth_are_those_that_were_made(mixed):

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from numpy.typing import NDArray
 
 from flycontrol.report.figures.track_panels import (
     BAND,
@@ -26,6 +27,8 @@ from flycontrol.report.figures.track_panels import (
 from flycontrol.report.style import EXACT, in_house_style, new_figure
 from flycontrol.report.track.curves import SIGMAS, Curves
 from flycontrol.report.track.spans import Span
+
+FloatArray = NDArray[np.float64]
 
 #: Columns of a pose, panel by panel from the left, row by row, and what stands beside them.
 BODY = (
@@ -44,6 +47,8 @@ _RAW: dict[str, Any] = {
     "linestyle": "none", "marker": "o", "markersize": 2.2, "color": "#8a8a8a", "markeredgewidth": 0,
 }  # fmt: skip
 _RAW_KEY: dict[str, Any] = {**_RAW, "markersize": 3}
+_MOST_OF_A_BAND, _MARGIN = (3.0, 97.0), 0.05  #: percentiles that a panel shows, and share of its height beyond
+_FAR = 1.5  #: times that height, beyond which the rest of a band is cut
 _LEAST = {"deg": 1.0, "mm": 0.02}  #: of a panel's height: less is noise
 
 
@@ -63,6 +68,9 @@ def coordinates_over_time(
         shade(ax, curves.time, spans)
         _draw(ax, curves, column, rows)
         ax.set_ylabel(label)
+        limits = shown_limits(curves, column, rows)
+        if limits is not None:
+            ax.set_ylim(*limits)
         _widen(ax, _LEAST["deg" if "deg" in label else "mm"])
         limit_to(ax, curves.time[rows])
     for ax, title in zip(axes[0], titles, strict=True):
@@ -73,6 +81,38 @@ def coordinates_over_time(
     legend_on_top(figure, [*_keys(curves), *shade_keys(spans)])
     leave_room_for_labels(figure)
     return figure
+
+
+def shown_limits(curves: Curves, column: int, rows: slice) -> tuple[float, float] | None:
+    """Of a panel: points, lines, and the band but for a few frames in which it is far wider; None if of no height."""
+    lines = [curves.raw, curves.smooth] if curves.truth is None else [curves.raw, curves.smooth, curves.truth]
+    drawn = np.concatenate([line[rows, column] for line in lines])
+    band = np.concatenate(_band(curves, column, rows))
+    most = [np.percentile(end, _MOST_OF_A_BAND) for end in _band(curves, column, rows) if len(end)]
+    known = np.concatenate([drawn[np.isfinite(drawn)], *most])
+    if not len(known) or known.min() == known.max():
+        return None
+    if np.ptp(whole := np.concatenate([known, band])) < _FAR * np.ptp(known):
+        known = whole
+    low, high = float(known.min()), float(known.max())
+    return low - _MARGIN * (high - low), high + _MARGIN * (high - low)
+
+
+def bands_are_cut(curves: Curves, panels: Sequence[tuple[int, str]], rows: slice) -> bool:
+    """Whether some band reaches beyond its panel."""
+    for column, _ in panels:
+        limits = shown_limits(curves, column, rows)
+        if limits is not None and any(
+            np.any((end < limits[0]) | (end > limits[1])) for end in _band(curves, column, rows)
+        ):
+            return True
+    return False
+
+
+def _band(curves: Curves, column: int, rows: slice) -> list[FloatArray]:
+    smooth, half = curves.smooth[rows, column], curves.half_band[rows, column]
+    known = np.isfinite(smooth) & np.isfinite(half)
+    return [(smooth - half)[known], (smooth + half)[known]]
 
 
 def _draw(ax: Axes, curves: Curves, column: int, rows: slice) -> None:

@@ -8,7 +8,13 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from flycontrol.report.figures.track_coordinates import BASES, BODY, WINGS, coordinates_over_time
+from flycontrol.report.figures.track_coordinates import (
+    BASES,
+    BODY,
+    WINGS,
+    bands_are_cut,
+    coordinates_over_time,
+)
 from flycontrol.report.figures.track_hull import hull_from_two_sides
 from flycontrol.report.figures.track_overlay import frame_overlay
 from flycontrol.report.figures.track_quality import agreement_over_time, uncertainty_over_time
@@ -79,11 +85,11 @@ def _coordinates(flight: TrackedFlight, reversals: StrokeReversals) -> list[Page
     figures = [
         _page_figure(
             "body", coordinates_over_time(drawn, BODY, ("place of the centre", "attitude"), found),
-            "Place and attitude of the body", f"{raw}{_body_words(drawn)}",
+            "Place and attitude of the body", f"{raw}{_body_words(drawn)}{_cut(drawn, BODY)}",
         ),
         _page_figure(
             "wings", coordinates_over_time(drawn, WINGS, _WINGS, found), "Angles of the wings",
-            f"{raw}{_wing_words(flight)}",
+            f"{raw}{_wing_words(flight)}{_cut(drawn, WINGS)}",
         ),
     ]  # fmt: skip
     if piece is not None:
@@ -91,6 +97,7 @@ def _coordinates(flight: TrackedFlight, reversals: StrokeReversals) -> list[Page
     caption = (
         f"{raw}Places of the bases from the body’s centre, along body axes. They hardly move on a fly; the fit holds "
         "them near where the shape has them, and their scatter shows how well the roll of a round body can be told."
+        f"{_cut(drawn, BASES)}"
     )
     figures.append(
         _page_figure("bases", coordinates_over_time(drawn, BASES, _WINGS, found), "Bases of the wings", caption)
@@ -105,12 +112,16 @@ def _closely(
     first, last = flight.numbers[list(piece)]
     caption = (
         f"The {much} over which the heading changes most: frames {first} to {last}, from "
-        f"{milliseconds(float(flight.time[piece[0]]), 2)}."
+        f"{milliseconds(float(flight.time[piece[0]]), 2)}.{_cut(drawn, WINGS, slice(piece[0], piece[1] + 1))}"
     )
     return _page_figure(
         "wings-closely", coordinates_over_time(drawn, WINGS, _WINGS, found, piece), "Angles of the wings, closely",
         caption,
     )  # fmt: skip
+
+
+def _cut(drawn: Curves, panels: Sequence[tuple[int, str]], rows: slice = slice(None)) -> str:
+    return " Where a band is far wider than elsewhere the panel cuts it." if bands_are_cut(drawn, panels, rows) else ""
 
 
 def _body_words(drawn: Curves) -> str:
@@ -188,11 +199,25 @@ def _agreement(flight: TrackedFlight, survey: Survey) -> PageFigure:
     uncovered = survey.uncovered[np.isfinite(survey.uncovered)]
     if len(uncovered):
         caption += (
-            f" In the median {fixed(float(np.median(uncovered)), 0, 'px')} of a silhouette are uncovered, in the worst "
-            f"view of all {fixed(float(uncovered.max()), 0, 'px')}."
+            f" In the median {fixed(float(np.median(uncovered)), 0, 'px')} of a silhouette are uncovered"
+            f"{_worst_covered(flight, survey)}."
         )
     return _page_figure(
         "agreement", agreement_over_time(flight, survey, spans(flight.track)), "Agreement frame by frame", caption
+    )
+
+
+def _worst_covered(flight: TrackedFlight, survey: Survey) -> str:
+    worst = survey.least_covered
+    if worst is None:
+        return ""
+    row, view = worst
+    k = int(survey.frames[row])
+    return (
+        f", at the most {fixed(float(survey.uncovered[row, view]), 0, 'px')}, "
+        f"{fixed(100 * (1 - float(survey.coverage[row, view])), 0, '%')} of the silhouette "
+        f"“{flight.cameras[view].name}”, in frame {flight.numbers[k]} at {milliseconds(float(flight.time[k]), 2)}, "
+        "which is among the frames looked at"
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from PIL import Image
 
@@ -17,6 +17,8 @@ from flycontrol.vision.footage import FilmedFrame, Footage
 from flycontrol.vision.hull import ViewConsistency
 from flycontrol.vision.stance import stances_of
 from flycontrol.vision.tracked_flight import TrackedFlight
+
+_LEAST_COVERED = "the most pixels of a silhouette that the hull leaves uncovered"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -52,12 +54,30 @@ def second_look(
         if k in of_hulls:
             hulls += _hull(flight, frame, k)
         progress(done + 1, len(wanted), "drawing")
+    survey = survey_of(frames, consistencies, len(flight.cameras))
     return SecondLook(
-        survey=survey_of(frames, consistencies, len(flight.cameras)),
+        survey=survey,
         pictures=tuple(pictures),
-        overlays=tuple(overlays),
+        overlays=_with_least_covered(flight, footage, survey, overlays),
         hulls=tuple(hulls),
     )
+
+
+def _with_least_covered(
+    flight: TrackedFlight, footage: Footage, survey: Survey, overlays: list[tuple[ChosenFrame, FrameOverlay]]
+) -> tuple[tuple[ChosenFrame, FrameOverlay], ...]:
+    """The frames looked at, and among them that of the silhouette that the hull leaves uncovered most."""
+    if survey.least_covered is None:
+        return tuple(overlays)
+    k = int(survey.frames[survey.least_covered[0]])
+    known = {chosen.frame: (chosen, overlay) for chosen, overlay in overlays}
+    if k in known:
+        chosen, overlay = known[k]
+        known[k] = (replace(chosen, rules=(*chosen.rules, _LEAST_COVERED)), overlay)
+    else:
+        chosen = ChosenFrame(frame=k, rules=(_LEAST_COVERED,))
+        known[k] = (chosen, frame_overlay_of(flight, footage.frame(k), k))
+    return tuple(known[frame] for frame in sorted(known))
 
 
 def _hull(flight: TrackedFlight, frame: FilmedFrame, k: int) -> list[SeenHull]:

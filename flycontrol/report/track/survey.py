@@ -31,6 +31,15 @@ class Survey:
         """(F, C) share of the silhouette under the hull."""
         return self.covered / (self.covered + self.uncovered)
 
+    @property
+    def least_covered(self) -> tuple[int, int] | None:
+        """Row and view of the most uncovered pixels; None where none are uncovered."""
+        missing = np.where(np.isfinite(self.uncovered), self.uncovered, 0.0)
+        if not np.any(missing > 0):
+            return None
+        row, view = np.unravel_index(int(np.argmax(missing)), missing.shape)
+        return int(row), int(view)
+
 
 def surveyed_frames(count: int) -> NDArray[np.int_]:
     """All of a few frames, or so many evenly spread ones."""
