@@ -688,13 +688,13 @@ def _text_of_hulls(found: Findings) -> str:
 # overlaps the silhouettes by 0.64, by any of fifteen others by less than 0.40.
 #
 # **All 47 frames are tracked**, none doubted. Our fly overlaps them by 0.78, 0.78 and 0.87 (medians by view), the other
-# one by 0.56, 0.62 and 0.79. Medians apart: 8.2 deg between the body axes, 3.8 and 4.7 deg between the wings' long axes,
-# 0.18 mm or 4 to 6 px between the bodies' centres. The wings are within the aim of 8 deg, the body axis is not within
-# that of 6. But in 46 frames either drawing looks more like the silhouettes with our body than with the other one's, in
-# one it cannot be told. The plainest case are the first frames: the fly hardly moves, our body turns by 0.3 deg, and
-# the other one rears up by 17 deg with its tail off the silhouettes. Where wings' long axes are 8 deg or more apart the
-# silhouettes deny the other tracker's in all 17 cases. From one half of the frames to the other, sizes differ by up to
-# 7 % (wing length); sizes taken from the other half move medians by up to half a degree.
+# one by 0.56, 0.62 and 0.79. Medians apart: 8.2 deg between the body axes, 3.8 and 4.7 deg between the wings' long
+# axes, 0.18 mm or 4 to 6 px between the bodies' centres. The wings are within the aim of 8 deg, the body axis is not
+# within that of 6. But in 46 frames either drawing looks more like the silhouettes with our body than with the other
+# one's, in one it cannot be told. The plainest case are the first frames: the fly hardly moves, our body turns by 0.3
+# deg, and the other one rears up by 17 deg with its tail off the silhouettes. Where wings' long axes are 8 deg or more
+# apart the silhouettes deny the other tracker's in all 17 cases. From one half of the frames to the other, sizes differ
+# by up to 7 % (wing length); sizes taken from the other half move medians by up to half a degree.
 #
 # Three things qualify that. Overlap is what our fit makes large, while the other tracker followed outlines: it can tell
 # a body that is 15 deg off, not one that is 2 deg off. Legs, which neither fly has, are in every silhouette. And our
@@ -704,10 +704,10 @@ def _text_of_hulls(found: Findings) -> str:
 #
 # **The hull alone**, which fits no silhouette, has the wings 7.8 and 4.9 deg off the other tracker's (medians) and the
 # body 10.5 deg off it, all three 4 to 5 deg off ours; it tracks 31 frames wholly and 16 but for a wing. The hull covers
-# all but 0.3 to 1.4 % of the silhouettes (medians by view; views miss each other by 0.7 px) and holds our body's axis in
-# every frame, but 7 % of the left wing's and 4 % of the right one's fall out of it where a wing seen on edge is thinner
-# than a voxel; 3 px of tolerance in one view bring them back, at 1.6 times the volume. A slack below one pixel does
-# nothing, since a pixel next to a silhouette is one pixel off.
+# all but 0.3 to 1.4 % of the silhouettes (medians by view; views miss each other by 0.7 px) and holds our body's axis
+# in every frame, but 7 % of the left wing's and 4 % of the right one's fall out of it where a wing seen on edge is
+# thinner than a voxel; 3 px of tolerance in one view bring them back, at 1.6 times the volume. A slack below one pixel
+# does nothing, since a pixel next to a silhouette is one pixel off.
 
 
 # ## Claims
